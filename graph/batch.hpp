@@ -1,0 +1,207 @@
+// A batch: the factors of one type and one loss, side by side. One virtual call works on a range of factors; inside, all sizes
+// are fixed and nothing is allocated. Solvers, reports and adapters see factors through this interface only.
+#pragma once
+
+#include <holdfast/graph/factor.hpp>
+#include <holdfast/graph/loss.hpp>
+#include <holdfast/graph/values.hpp>
+#include <memory>
+#include <typeindex>
+#include <vector>
+
+namespace holdfast {
+
+/// How a robust term enters H (the gradient is always exact): irls: w ρ' JᵀJ; newton: the second derivative of ½ρ(‖r‖²) with
+/// J held, ρ' JᵀJ + 2ρ'' (Jᵀr)(Jᵀr)ᵀ, cut off where it would turn negative.
+enum class Curvature { irls, newton };
+
+class FactorBatch {
+ public:
+  FactorBatch(std::string name, Loss loss) : name_(std::move(name)), loss_(loss) {}
+  virtual ~FactorBatch() = default;
+
+  const std::string& name() const { return name_; }
+  const Loss& loss() const { return loss_; }
+  virtual std::type_index factor_type() const = 0;
+  virtual int size() const = 0;
+  virtual int residual_dim() const = 0;
+  virtual bool is_linear() const = 0;
+  virtual bool is_convex() const = 0;
+  /// The variables of every factor of this batch.
+  const std::vector<std::type_index>& types() const { return types_; }
+  const std::vector<const char*>& type_names() const { return type_names_; }
+  const std::vector<int>& dims() const { return dims_; }
+  int arity() const { return static_cast<int>(dims_.size()); }
+  int total_dim() const { return total_dim_; }
+  const Key* keys(int i) const { return &keys_[static_cast<std::size_t>(i) * dims_.size()]; }
+  double weight(int i) const { return weights_[i]; }
+  std::string describe(int i) const;  ///< "RangeBall(A11, L0)"
+
+  /// r of factors [first, last), residual_dim doubles each, and their Jacobians (residual_dim × total_dim, column-major) unless J
+  /// is null. index: the pool index of each variable of each factor of the batch (Resolved::Batch).
+  virtual void evaluate(const Values& values, const int* index, int first, int last, double* r, double* J) const = 0;
+
+  /// Each factor's part of the normal equations: the blocks (a, b), a ≥ b, of its H, column by column of blocks, each
+  /// column-major dims[a] × dims[b]; then its gradient; then its cost: stride() doubles a factor.
+  virtual void contributions(const Values& values, const int* index, int first, int last, Curvature curvature, double* out) const = 0;
+  int stride() const { return stride_; }
+
+  /// Σ w ½ρ over factors [first, last).
+  double cost(const Values& values, const int* index, int first, int last) const;
+  /// w ½ρ of one factor from its residual; weights (unless null): w ρ' of each component.
+  double cost_of(int i, const double* r, double* weights) const;
+
+  virtual std::unique_ptr<FactorBatch> clone() const = 0;
+  virtual void remove(int i) = 0;  ///< the last one takes its place
+
+ protected:
+  friend class Graph;
+  void set_variables(std::vector<std::type_index> types, std::vector<const char*> names, std::vector<int> dims);
+
+  std::string name_;
+  Loss loss_;
+  std::vector<std::type_index> types_;
+  std::vector<const char*> type_names_;
+  std::vector<int> dims_;
+  int total_dim_ = 0;
+  int stride_ = 0;
+  std::vector<Key> keys_;
+  std::vector<double> weights_;
+  std::vector<int> ids_;  ///< Graph's number of each factor
+};
+
+/// Row weights of one factor: g = Jᵀ diag(gradient) r, H = Jᵀ diag(hessian) J + rank_one (Jᵀr)(Jᵀr)ᵀ.
+template <int M>
+struct RowWeights {
+  Vector<M> gradient;
+  Vector<M> hessian;
+  double rank_one;
+  double cost;
+};
+
+template <int M>
+RowWeights<M> row_weights(const Loss& loss, double weight, const Vector<M>& r, Curvature curvature) {
+  constexpr double kLeast = 1e-5;  // of the IRLS curvature: keeps H positive definite on the flat part of a loss
+  RowWeights<M> w;
+  w.rank_one = 0;
+  if (loss.kind == Loss::Kind::Squared) {
+    w.gradient.setConstant(weight);
+    w.hessian.setConstant(weight);
+    w.cost = 0.5 * weight * r.squaredNorm();
+    return w;
+  }
+  if (loss.per_component || M == 1) {
+    double sum = 0;
+    for (int c = 0; c < M; ++c) {
+      const Rho rho = loss.rho_of_component(r[c]);
+      sum += rho.value;
+      w.gradient[c] = weight * rho.first;
+      w.hessian[c] = curvature == Curvature::irls ? w.gradient[c] : weight * std::max(rho.first + 2 * r[c] * r[c] * rho.second, kLeast * rho.first);
+    }
+    w.cost = 0.5 * weight * sum;
+    return w;
+  }
+  const double s = r.squaredNorm();
+  const Rho rho = loss.rho(s, M);
+  w.gradient.setConstant(weight * rho.first);
+  w.hessian = w.gradient;
+  if (curvature == Curvature::newton && s > 0) w.rank_one = weight * std::max(2 * rho.second, -(1 - kLeast) * rho.first / s);
+  w.cost = 0.5 * weight * rho.value;
+  return w;
+}
+
+template <class F>
+class Batch final : public FactorBatch {
+ public:
+  using Vars = typename F::Variables;
+  static constexpr int M = F::residual_dim;
+  static constexpr int N = Vars::total_dim;
+  static constexpr int K = Vars::size;
+
+  explicit Batch(Loss loss) : FactorBatch(factor_name<F>(), loss) { describe_variables(std::make_index_sequence<K>{}); }
+
+  std::type_index factor_type() const override { return typeid(F); }
+  int size() const override { return static_cast<int>(factors_.size()); }
+  int residual_dim() const override { return M; }
+  bool is_linear() const override { return holdfast::is_linear<F>; }
+  bool is_convex() const override { return holdfast::is_convex<F>; }
+  const std::vector<F>& factors() const { return factors_; }
+  std::vector<F>& factors() { return factors_; }
+
+  void evaluate(const Values& values, const int* index, int first, int last, double* r, double* J) const override {
+    const auto pools = pools_of(values, std::make_index_sequence<K>{});
+    Jacobians<F> jacobians;
+    for (int i = first; i < last; ++i, r += M) {
+      Eigen::Map<Vector<M>>(r, M) = call(i, pools, index, J == nullptr ? nullptr : &jacobians, std::make_index_sequence<K>{});
+      if (J == nullptr) continue;
+      Eigen::Map<Eigen::Matrix<double, M, N, M == 1 && N != 1 ? Eigen::RowMajor : Eigen::ColMajor>>(J) = jacobians.all;
+      J += M * N;
+    }
+  }
+
+  void contributions(const Values& values, const int* index, int first, int last, Curvature curvature, double* out) const override {
+    const auto pools = pools_of(values, std::make_index_sequence<K>{});
+    Jacobians<F> J;
+    for (int i = first; i < last; ++i) {
+      const Vector<M> r = call(i, pools, index, &J, std::make_index_sequence<K>{});
+      const RowWeights<M> w = row_weights<M>(loss_, weights_[i], r, curvature);
+      const Matrix<M, N> scaled = w.hessian.asDiagonal() * J.all;
+      const Vector<N> raw = J.all.transpose() * r;
+      out = blocks<0>(J, scaled, raw, w.rank_one, out);
+      Eigen::Map<Vector<N>>(out, N) = J.all.transpose() * w.gradient.cwiseProduct(r);
+      out[N] = w.cost;
+      out += N + 1;
+    }
+  }
+
+  std::unique_ptr<FactorBatch> clone() const override { return std::make_unique<Batch>(*this); }
+  void remove(int i) override {
+    factors_[i] = factors_.back();
+    factors_.pop_back();
+  }
+
+ private:
+  friend class Graph;
+
+  template <std::size_t... I>
+  void describe_variables(std::index_sequence<I...>) {
+    set_variables({std::type_index(typeid(typename Vars::template type<I>))...}, {Vars::template type<I>::name()...}, {Vars::dims[I]...});
+  }
+  template <std::size_t... I>
+  auto pools_of(const Values& values, std::index_sequence<I...>) const {
+    return std::make_tuple(values.data<typename Vars::template type<I>>()...);
+  }
+  template <class Pools, std::size_t... I>
+  Vector<M> call(int i, const Pools& pools, const int* index, Jacobians<F>* J, std::index_sequence<I...>) const {
+    const int* mine = index + static_cast<std::ptrdiff_t>(i) * K;
+    return factors_[i](std::get<I>(pools)[mine[I]]..., J);
+  }
+
+  /// Writes column B of blocks and those after it.
+  template <int B>
+  static double* blocks(const Jacobians<F>& J, const Matrix<M, N>& scaled, const Vector<N>& raw, double rank_one, double* out) {
+    if constexpr (B < K) {
+      out = column<B, B>(J, scaled, raw, rank_one, out);
+      return blocks<B + 1>(J, scaled, raw, rank_one, out);
+    } else {
+      return out;
+    }
+  }
+  template <int A, int B>
+  static double* column(const Jacobians<F>& J, const Matrix<M, N>& scaled, const Vector<N>& raw, double rank_one, double* out) {
+    if constexpr (A < K) {
+      constexpr int rows = Vars::dims[A], cols = Vars::dims[B], row = Vars::offsets[A], col = Vars::offsets[B];
+      MatrixT<double, rows, cols> block;
+      block.noalias() = J.template wrt<A>().transpose() * scaled.template middleCols<cols>(col);
+      if (rank_one != 0) block += rank_one * raw.template segment<rows>(row) * raw.template segment<cols>(col).transpose();
+      Eigen::Map<Eigen::Matrix<double, rows, cols, rows == 1 && cols != 1 ? Eigen::RowMajor : Eigen::ColMajor>>(out, rows, cols) = block;
+      return column<A + 1, B>(J, scaled, raw, rank_one, out + rows * cols);
+    } else {
+      return out;
+    }
+  }
+
+  std::vector<F> factors_;
+};
+
+}  // namespace holdfast

@@ -1,0 +1,107 @@
+#include <algorithm>
+#include <holdfast/graph/graph.hpp>
+#include <holdfast/graph/resolved.hpp>
+
+namespace holdfast {
+namespace {
+
+std::string described(const std::string& name, const Key* keys, std::size_t count) {
+  std::string text = name + "(";
+  for (std::size_t i = 0; i < count; ++i) text += (i ? ", " : "") + keys[i].str();
+  return text + ")";
+}
+
+}  // namespace
+
+Graph::Graph() : structure_(new_structure_stamp()) {}
+
+Graph::Graph(const Graph& other) : places_(other.places_), free_(other.free_), fixed_(other.fixed_), structure_(other.structure_) {
+  for (const auto& batch : other.batches_) batches_.push_back(batch->clone());
+}
+
+Graph& Graph::operator=(const Graph& other) {
+  if (this != &other) *this = Graph(other);
+  return *this;
+}
+
+void Graph::check_new(std::string (*name)(), const Key* keys, std::size_t count, const Loss& loss, int residual_dim, double weight) const {
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (keys[i] == keys[j])
+        fail<BadKey>(described(name(), keys, count), ": key ", keys[i], " occurs twice; a factor ties different variables");
+  if (!(std::isfinite(weight) && weight >= 0))
+    fail<BadNumber>(described(name(), keys, count), ": weight = ", weight, " must be finite and >= 0; to leave a factor out, remove it");
+  loss.validate(residual_dim);
+}
+
+void Graph::rethrow_named(const std::string& name, const Key* keys, std::size_t count, const BadNumber& error) const {
+  fail<BadNumber>(described(name, keys, count), ": ", error.what());
+}
+
+FactorId Graph::enter(FactorBatch& batch, const Key* keys, double weight) {
+  const auto it = std::find_if(batches_.begin(), batches_.end(), [&](const auto& b) { return b.get() == &batch; });
+  int number = static_cast<int>(places_.size());
+  if (free_.empty()) {
+    places_.emplace_back();
+  } else {
+    number = free_.back();
+    free_.pop_back();
+  }
+  Place& place = places_[number];
+  place.batch = static_cast<int>(it - batches_.begin());
+  place.index = batch.size() - 1;
+  batch.keys_.insert(batch.keys_.end(), keys, keys + batch.arity());
+  batch.weights_.push_back(weight);
+  batch.ids_.push_back(number);
+  structure_ = new_structure_stamp();
+  return {number, place.generation};
+}
+
+FactorId Graph::add_batch(std::unique_ptr<FactorBatch> batch, const std::vector<Key>& keys) {
+  batches_.push_back(std::move(batch));
+  return enter(*batches_.back(), keys.data(), 1.0);
+}
+
+bool Graph::contains(FactorId id) const {
+  return id.number >= 0 && id.number < static_cast<int>(places_.size()) && places_[id.number].batch >= 0 &&
+         places_[id.number].generation == id.generation;
+}
+
+const Graph::Place& Graph::checked(FactorId id) const {
+  if (!contains(id)) fail<BadKey>("factor #", id.number, " is not in the graph (any more); keep the id that add() returned until remove()");
+  return places_[id.number];
+}
+
+FactorId Graph::id_of(int batch, int index) const {
+  const int number = batches_[batch]->ids_[index];
+  return {number, places_[number].generation};
+}
+
+void Graph::remove(FactorId id) {
+  const Place gone = checked(id);
+  FactorBatch& batch = *batches_[gone.batch];
+  batch.remove(gone.index);
+  const std::size_t arity = batch.dims_.size();
+  std::copy(batch.keys_.end() - static_cast<std::ptrdiff_t>(arity), batch.keys_.end(), batch.keys_.begin() + static_cast<std::ptrdiff_t>(gone.index * arity));
+  batch.keys_.resize(batch.keys_.size() - arity);
+  batch.weights_[gone.index] = batch.weights_.back();
+  batch.weights_.pop_back();
+  places_[batch.ids_.back()].index = gone.index;
+  batch.ids_[gone.index] = batch.ids_.back();
+  batch.ids_.pop_back();
+  places_[id.number] = {-1, -1, gone.generation + 1};
+  free_.push_back(id.number);
+  structure_ = new_structure_stamp();
+}
+
+void Graph::fix(Key key) {
+  if (fixed_.insert(key).second) structure_ = new_structure_stamp();
+}
+
+void Graph::unfix(Key key) {
+  if (fixed_.erase(key) != 0) structure_ = new_structure_stamp();
+}
+
+double Graph::cost(const Values& values) const { return Resolved(*this, values).cost(*this, values); }
+
+}  // namespace holdfast

@@ -1,0 +1,128 @@
+// The graph: factors on keys. cost(x) = Σ w_i ½ρ_i(s_i) over its factors (conventions, "Cost"), the one number that scores the
+// answer of every back-end.
+#pragma once
+
+#include <holdfast/graph/batch.hpp>
+#include <optional>
+#include <unordered_set>
+
+namespace holdfast {
+
+/// Names one factor of a graph for as long as it is in it.
+struct FactorId {
+  int number = -1;
+  unsigned generation = 0;
+};
+
+class Graph {
+ public:
+  Graph();
+  Graph(const Graph& other);
+  Graph(Graph&&) = default;
+  Graph& operator=(const Graph& other);
+  Graph& operator=(Graph&&) = default;
+
+  template <class F>
+  using Keys = std::array<Key, F::Variables::size>;
+
+  /// Adds a factor with its own default loss and weight. Throws BadNumber (from the factor's validate()), BadKey where a key occurs twice.
+  template <class F>
+  FactorId add(const F& factor, const Keys<F>& keys) {
+    if constexpr (detail::HasDefaultLoss<F>::value)
+      return add(factor, keys, F::default_loss());
+    else
+      return add(factor, keys, Loss{});
+  }
+  template <class F>
+  FactorId add(const F& factor, const Keys<F>& keys, const Loss& loss) {
+    if constexpr (detail::HasDefaultWeight<F>::value)
+      return add(factor, keys, loss, factor.default_weight());
+    else
+      return add(factor, keys, loss, 1.0);
+  }
+  /// weight ≥ 0 scales the whole term.
+  template <class F>
+  FactorId add(const F& factor, const Keys<F>& keys, const Loss& loss, double weight) {
+    check_new(factor_name<F>, keys.data(), keys.size(), loss, F::residual_dim, weight);
+    if constexpr (detail::HasValidate<F>::value) validated(factor, keys.data(), keys.size());
+    Batch<F>& batch = batch_for<F>(loss);
+    batch.factors_.push_back(factor);
+    return enter(batch, keys.data(), weight);
+  }
+  void remove(FactorId id);
+  bool contains(FactorId id) const;
+
+  /// The factor itself: its numbers may be changed between solves, the structure stays.
+  template <class F>
+  F& at(FactorId id) {
+    return const_cast<F&>(static_cast<const Graph*>(this)->at<F>(id));
+  }
+  template <class F>
+  const F& at(FactorId id) const {
+    const Place& place = checked(id);
+    const FactorBatch& batch = *batches_[place.batch];
+    if (batch.factor_type() != typeid(F)) fail<BadType>("factor ", batch.describe(place.index), " is no ", factor_name<F>());
+    return static_cast<const Batch<F>&>(batch).factors()[place.index];
+  }
+
+  /// A fixed variable is a constant of the problem.
+  void fix(Key key);
+  void unfix(Key key);
+  bool is_fixed(Key key) const { return fixed_.count(key) != 0; }
+  const std::unordered_set<Key>& fixed() const { return fixed_; }
+
+  /// Σ w ½ρ at these values. Throws BadKey, BadType.
+  double cost(const Values& values) const;
+
+  std::size_t size() const { return places_.size() - free_.size(); }
+  const std::vector<std::unique_ptr<FactorBatch>>& batches() const { return batches_; }
+  /// Every batch of factors F: fn(const Batch<F>&).
+  template <class F, class Fn>
+  void for_each_batch(Fn&& fn) const {
+    for (const auto& batch : batches_)
+      if (batch->factor_type() == typeid(F)) fn(static_cast<const Batch<F>&>(*batch));
+  }
+  /// Where a factor is now; valid until a factor is removed.
+  struct Place {
+    int batch = -1;
+    int index = -1;
+    unsigned generation = 0;
+  };
+  const Place& place(FactorId id) const { return checked(id); }
+  FactorId id_of(int batch, int index) const;
+
+  /// Changes whenever a factor comes or goes or a variable is fixed or freed.
+  std::uint64_t structure() const { return structure_; }
+
+  /// Enters a batch made elsewhere (a factor of run-time size); it must hold exactly one factor whose keys are given.
+  FactorId add_batch(std::unique_ptr<FactorBatch> batch, const std::vector<Key>& keys);
+
+ private:
+  template <class F>
+  Batch<F>& batch_for(const Loss& loss) {
+    for (auto& batch : batches_)
+      if (batch->factor_type() == typeid(F) && batch->loss() == loss) return static_cast<Batch<F>&>(*batch);
+    batches_.push_back(std::make_unique<Batch<F>>(loss));
+    return static_cast<Batch<F>&>(*batches_.back());
+  }
+  template <class F>
+  void validated(const F& factor, const Key* keys, std::size_t count) const {
+    try {
+      factor.validate();
+    } catch (const BadNumber& error) {
+      rethrow_named(factor_name<F>(), keys, count, error);
+    }
+  }
+  void check_new(std::string (*name)(), const Key* keys, std::size_t count, const Loss& loss, int residual_dim, double weight) const;
+  [[noreturn]] void rethrow_named(const std::string& name, const Key* keys, std::size_t count, const BadNumber& error) const;
+  FactorId enter(FactorBatch& batch, const Key* keys, double weight);
+  const Place& checked(FactorId id) const;
+
+  std::vector<std::unique_ptr<FactorBatch>> batches_;
+  std::vector<Place> places_;  ///< by FactorId::number
+  std::vector<int> free_;
+  std::unordered_set<Key> fixed_;
+  std::uint64_t structure_;
+};
+
+}  // namespace holdfast

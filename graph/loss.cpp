@@ -1,0 +1,118 @@
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <holdfast/graph/error.hpp>
+#include <holdfast/graph/loss.hpp>
+#include <limits>
+#include <sstream>
+
+namespace holdfast {
+namespace {
+
+constexpr std::array<const char*, 10> kNames{"squared", "absolute",      "huber",  "pseudo_huber",      "cauchy",
+                                             "geman_mcclure", "welsch", "tukey", "truncated_squares", "student_t"};
+
+const char* name_of(Loss::Kind kind) { return kNames[static_cast<std::size_t>(kind)]; }
+
+Rho huber(double s, double a) {
+  if (s <= a * a) return {s, 1, 0};
+  const double root = std::sqrt(s);
+  return {2 * a * root - a * a, a / root, -a / (2 * s * root)};
+}
+
+Rho tukey(double s, double c2) {
+  if (s > c2) return {c2 / 3, 0, 0};
+  const double u = 1 - s / c2;
+  return {c2 / 3 * (1 - u * u * u), u * u, -2 * u / c2};
+}
+
+}  // namespace
+
+Rho Loss::rho(double s, int d) const {
+  const double c2 = scale * scale;
+  switch (kind) {
+    case Kind::Squared:
+      return {s, 1, 0};
+    case Kind::Absolute: {
+      const double root = std::sqrt(s + c2);
+      return {2 * s / (root + scale), 1 / root, -0.5 / (root * root * root)};
+    }
+    case Kind::Huber:
+      return huber(s, scale);
+    case Kind::PseudoHuber: {
+      const double root = std::sqrt(1 + s / c2);
+      return {2 * s / (root + 1), 1 / root, -0.5 / (c2 * root * root * root)};
+    }
+    case Kind::Cauchy: {
+      const double u = 1 / (1 + s / c2);
+      return {c2 * std::log1p(s / c2), u, -u * u / c2};
+    }
+    case Kind::GemanMcClure: {
+      const double u = 1 / (1 + s / c2);
+      return {s * u, u * u, -2 * u * u * u / c2};
+    }
+    case Kind::Welsch: {
+      const double u = std::exp(-s / c2);
+      return {-c2 * std::expm1(-s / c2), u, -u / c2};
+    }
+    case Kind::Tukey:
+      return tukey(s, c2);
+    case Kind::TruncatedSquares:
+      return s <= c2 ? Rho{s, 1, 0} : Rho{c2, 0, 0};
+    case Kind::StudentT: {
+      const double u = 1 / (scale + s);
+      return {(scale + d) * std::log1p(s / scale), (scale + d) * u, -(scale + d) * u * u};
+    }
+  }
+  return {s, 1, 0};
+}
+
+void Loss::validate(int residual_dim) const {
+  if (!(std::isfinite(scale) && scale > 0))
+    fail<BadNumber>("loss ", str(), ": its threshold ", scale, " must be finite and > 0 [sigmas]");
+  if (one_sided && !per_component && residual_dim != 1)
+    fail<BadOption>("loss ", str(), " is one-sided, but a block of ", residual_dim, " components has no sign; use per_component(…)");
+}
+
+std::string Loss::str() const {
+  std::ostringstream text;
+  text << name_of(kind);
+  if (kind != Kind::Squared) text << ':' << scale;
+  if (per_component) text << ":component";
+  if (one_sided) text << ":one_sided";
+  return text.str();
+}
+
+Loss Loss::parse(std::string_view text) {
+  static const std::array<Loss, 10> defaults{Squared{},      Absolute{}, Huber{}, PseudoHuber{},      Cauchy{},
+                                             GemanMcClure{}, Welsch{},   Tukey{}, TruncatedSquares{}, StudentT{}};
+  const auto refuse = [&] {
+    std::ostringstream names;
+    for (const char* name : kNames) names << ' ' << name;
+    fail<BadOption>("'", text, "' is no loss: expected NAME[:THRESHOLD][:component][:one_sided] with a threshold > 0 and NAME one of", names.str());
+  };
+  const auto next = [rest = text]() mutable {
+    const std::string_view part = rest.substr(0, rest.find(':'));
+    rest.remove_prefix(std::min(rest.size(), part.size() + 1));
+    return part;
+  };
+  auto part_of = next;
+  const std::string_view name = part_of();
+  std::size_t kind = 0;
+  while (kind < kNames.size() && name != kNames[kind]) ++kind;
+  if (kind == kNames.size()) refuse();
+  Loss loss = defaults[kind];
+  for (std::string_view part = part_of(); !part.empty(); part = part_of()) {
+    if (part == "component") {
+      loss.per_component = true;
+    } else if (part == "one_sided") {
+      loss.one_sided = true;
+    } else {
+      const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), loss.scale);
+      if (error != std::errc{} || end != part.data() + part.size() || !(std::isfinite(loss.scale) && loss.scale > 0)) refuse();
+    }
+  }
+  return loss;
+}
+
+}  // namespace holdfast

@@ -1,0 +1,167 @@
+// Values: the variables of a graph by key. Each type lives in its own contiguous pool.
+#pragma once
+
+#include <holdfast/graph/error.hpp>
+#include <holdfast/graph/key.hpp>
+#include <holdfast/graph/variables.hpp>
+#include <memory>
+#include <typeindex>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace holdfast {
+
+/// One pool of variables of one type; what solvers and writers need of it without knowing the type.
+class PoolBase {
+ public:
+  virtual ~PoolBase() = default;
+  virtual std::type_index type() const = 0;
+  virtual const char* type_name() const = 0;
+  virtual int dim() const = 0;
+  virtual int ambient() const = 0;    ///< doubles per variable
+  virtual int space() const = 0;      ///< 2 or 3; 0 without a position
+  virtual std::unique_ptr<PoolBase> clone() const = 0;
+  virtual void assign(const PoolBase& other) = 0;  ///< the same structure: copies the variables, allocates nothing
+  virtual void retract(int i, const PoolBase& from, const double* delta) = 0;  ///< this[i] = from[i] ⊕ δ
+  virtual void local(int i, const PoolBase& other, double* delta) const = 0;   ///< δ = other[i] ⊖ this[i]
+  virtual bool is_finite(int i) const = 0;
+  virtual double* data(int i) = 0;  ///< the ambient coordinates
+  virtual void position(int i, double* p) const = 0;
+  virtual void rigid_motion(int i, const double* v, const double* w, double* motion) const = 0;
+  virtual void remove(int i) = 0;  ///< the last one takes its place
+
+  const std::vector<Key>& keys() const { return keys_; }
+  int size() const { return static_cast<int>(keys_.size()); }
+
+ protected:
+  friend class Values;
+  std::vector<Key> keys_;
+};
+
+template <class V>
+class Pool final : public PoolBase {
+  static_assert(std::is_standard_layout_v<V> && sizeof(V) % sizeof(double) == 0, "a variable is a plain struct of doubles");
+
+ public:
+  std::type_index type() const override { return typeid(V); }
+  const char* type_name() const override { return V::name(); }
+  int dim() const override { return V::dim; }
+  int ambient() const override { return ambient_dim<V>; }
+  int space() const override { return space_dim<V>; }
+  std::unique_ptr<PoolBase> clone() const override { return std::make_unique<Pool>(*this); }
+  void assign(const PoolBase& other) override { values_ = static_cast<const Pool&>(other).values_; }
+  void retract(int i, const PoolBase& from, const double* delta) override {
+    values_[i] = static_cast<const Pool&>(from).values_[i].retract(Eigen::Map<const Vector<V::dim>>(delta));
+  }
+  void local(int i, const PoolBase& other, double* delta) const override {
+    Eigen::Map<Vector<V::dim>>(delta, V::dim) = values_[i].local(static_cast<const Pool&>(other).values_[i]);
+  }
+  bool is_finite(int i) const override { return values_[i].is_finite(); }
+  double* data(int i) override { return reinterpret_cast<double*>(&values_[i]); }
+  void position(int i, double* p) const override {
+    if constexpr (space_dim<V> > 0) Eigen::Map<Vector<space_dim<V>>>(p, space_dim<V>) = values_[i].position();
+  }
+  void rigid_motion(int i, const double* v, const double* w, double* motion) const override {
+    Eigen::Map<Vector<V::dim>> out(motion, V::dim);
+    if constexpr (space_dim<V> > 0)
+      out = values_[i].rigid_motion(Eigen::Map<const Vector<space_dim<V>>>(v), Eigen::Map<const Vector<rotation_dim<space_dim<V>>>>(w));
+    else
+      out.setZero();
+  }
+  void remove(int i) override {
+    values_[i] = values_.back();
+    values_.pop_back();
+    keys_[i] = keys_.back();
+    keys_.pop_back();
+  }
+
+  std::vector<V>& values() { return values_; }
+  const std::vector<V>& values() const { return values_; }
+
+ private:
+  friend class Values;
+  std::vector<V> values_;
+};
+
+class Values {
+ public:
+  Values();
+  Values(const Values& other);
+  Values(Values&&) = default;
+  Values& operator=(const Values& other);
+  Values& operator=(Values&&) = default;
+
+  /// Throws BadKey where the key is there already.
+  template <class V>
+  void insert(Key key, const V& value) {
+    Pool<V>& pool = pool_of<V>();
+    claim(key, pool);
+    pool.values_.push_back(value);
+  }
+  /// Throws BadKey where the key is missing, BadType where it holds another type.
+  template <class V>
+  void update(Key key, const V& value) {
+    at<V>(key) = value;
+  }
+  template <class V>
+  V& at(Key key) {
+    return static_cast<Pool<V>&>(*pools_[checked(key, typeid(V), V::name()).pool]).values_[slot(key).index];
+  }
+  template <class V>
+  const V& at(Key key) const {
+    return static_cast<const Pool<V>&>(*pools_[checked(key, typeid(V), V::name()).pool]).values_[slot(key).index];
+  }
+  void erase(Key key);
+
+  bool contains(Key key) const { return slots_.count(key) != 0; }
+  template <class V>
+  bool contains(Key key) const {
+    const auto it = slots_.find(key);
+    return it != slots_.end() && pools_[it->second.pool]->type() == typeid(V);
+  }
+  std::size_t size() const { return slots_.size(); }
+  std::vector<Key> keys() const;  ///< sorted
+
+  /// Where a variable lives.
+  struct Slot {
+    int pool;
+    int index;
+  };
+  const Slot& slot(Key key) const;  ///< throws BadKey
+  const std::vector<std::unique_ptr<PoolBase>>& pools() const { return pools_; }
+  const PoolBase& pool(int i) const { return *pools_[i]; }
+  PoolBase& pool(int i) { return *pools_[i]; }
+  /// The variables of type V side by side; null where there are none.
+  template <class V>
+  const V* data() const {
+    for (const auto& pool : pools_)
+      if (pool->type() == typeid(V)) return static_cast<const Pool<V>&>(*pool).values_.data();
+    return nullptr;
+  }
+
+  /// Changes whenever a key comes or goes; two Values with the same stamp have the same keys in the same slots.
+  std::uint64_t structure() const { return structure_; }
+  /// Copies the variables of a Values of the same structure; allocates nothing.
+  void assign(const Values& other);
+
+ private:
+  template <class V>
+  Pool<V>& pool_of() {
+    for (auto& pool : pools_)
+      if (pool->type() == typeid(V)) return static_cast<Pool<V>&>(*pool);
+    pools_.push_back(std::make_unique<Pool<V>>());
+    return static_cast<Pool<V>&>(*pools_.back());
+  }
+  void claim(Key key, PoolBase& pool);
+  const Slot& checked(Key key, std::type_index type, const char* type_name) const;
+
+  std::vector<std::unique_ptr<PoolBase>> pools_;
+  std::unordered_map<Key, Slot> slots_;
+  std::uint64_t structure_;
+};
+
+/// A number no other structure of this process has.
+std::uint64_t new_structure_stamp();
+
+}  // namespace holdfast
