@@ -2,6 +2,7 @@
 // are fixed and nothing is allocated. Solvers, reports and adapters see factors through this interface only.
 #pragma once
 
+#include <cstring>
 #include <holdfast/graph/factor.hpp>
 #include <holdfast/graph/loss.hpp>
 #include <holdfast/graph/values.hpp>
@@ -41,10 +42,16 @@ class FactorBatch {
   /// is null. index: the pool index of each variable of each factor of the batch (Resolved::Batch).
   virtual void evaluate(const Values& values, const int* index, int first, int last, double* r, double* J) const = 0;
 
+  /// The same for factor i at variables given by their ambient coordinates (foreign solvers own their memory).
+  virtual void evaluate_at(int i, const double* const* ambient, double* r, double* J) const = 0;
+
   /// Each factor's part of the normal equations: the blocks (a, b), a ≥ b, of its H, column by column of blocks, each
   /// column-major dims[a] × dims[b]; then its gradient; then its cost: stride() doubles a factor.
   virtual void contributions(const Values& values, const int* index, int first, int last, Curvature curvature, double* out) const = 0;
   int stride() const { return stride_; }
+
+  /// Each factor's part of the gradient (total_dim doubles), then its cost.
+  virtual void gradients(const Values& values, const int* index, int first, int last, double* out) const = 0;
 
   /// Σ w ½ρ over factors [first, last).
   double cost(const Values& values, const int* index, int first, int last) const;
@@ -134,9 +141,15 @@ class Batch final : public FactorBatch {
     for (int i = first; i < last; ++i, r += M) {
       Eigen::Map<Vector<M>>(r, M) = call(i, pools, index, J == nullptr ? nullptr : &jacobians, std::make_index_sequence<K>{});
       if (J == nullptr) continue;
-      Eigen::Map<Eigen::Matrix<double, M, N, M == 1 && N != 1 ? Eigen::RowMajor : Eigen::ColMajor>>(J) = jacobians.all;
+      store(jacobians, J);
       J += M * N;
     }
+  }
+
+  void evaluate_at(int i, const double* const* ambient, double* r, double* J) const override {
+    Jacobians<F> jacobians;
+    Eigen::Map<Vector<M>>(r, M) = call_at(i, ambient, J == nullptr ? nullptr : &jacobians, std::make_index_sequence<K>{});
+    if (J != nullptr) store(jacobians, J);
   }
 
   void contributions(const Values& values, const int* index, int first, int last, Curvature curvature, double* out) const override {
@@ -151,6 +164,17 @@ class Batch final : public FactorBatch {
       Eigen::Map<Vector<N>>(out, N) = J.all.transpose() * w.gradient.cwiseProduct(r);
       out[N] = w.cost;
       out += N + 1;
+    }
+  }
+
+  void gradients(const Values& values, const int* index, int first, int last, double* out) const override {
+    const auto pools = pools_of(values, std::make_index_sequence<K>{});
+    Jacobians<F> J;
+    for (int i = first; i < last; ++i, out += N + 1) {
+      const Vector<M> r = call(i, pools, index, &J, std::make_index_sequence<K>{});
+      const RowWeights<M> w = row_weights<M>(loss_, weights_[i], r, Curvature::irls);
+      Eigen::Map<Vector<N>>(out, N) = J.all.transpose() * w.gradient.cwiseProduct(r);
+      out[N] = w.cost;
     }
   }
 
@@ -175,6 +199,17 @@ class Batch final : public FactorBatch {
   Vector<M> call(int i, const Pools& pools, const int* index, Jacobians<F>* J, std::index_sequence<I...>) const {
     const int* mine = index + static_cast<std::ptrdiff_t>(i) * K;
     return factors_[i](std::get<I>(pools)[mine[I]]..., J);
+  }
+
+  template <std::size_t... I>
+  Vector<M> call_at(int i, const double* const* ambient, Jacobians<F>* J, std::index_sequence<I...>) const {
+    typename Vars::Tuple x;
+    (std::memcpy(static_cast<void*>(&std::get<I>(x)), ambient[I], sizeof(std::get<I>(x))), ...);
+    return factors_[i](std::get<I>(x)..., J);
+  }
+  static void store(const Jacobians<F>& jacobians, double* J) {
+    using Stored = Eigen::Matrix<double, M, N, M == 1 && N != 1 ? Eigen::RowMajor : Eigen::ColMajor>;
+    Eigen::Map<Stored>(J, M, N) = jacobians.all;
   }
 
   /// Writes column B of blocks and those after it.

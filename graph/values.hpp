@@ -1,6 +1,7 @@
 // Values: the variables of a graph by key. Each type lives in its own contiguous pool.
 #pragma once
 
+#include <cstring>
 #include <holdfast/graph/error.hpp>
 #include <holdfast/graph/key.hpp>
 #include <holdfast/graph/variables.hpp>
@@ -25,6 +26,9 @@ class PoolBase {
   virtual void assign(const PoolBase& other) = 0;  ///< the same structure: copies the variables, allocates nothing
   virtual void retract(int i, const PoolBase& from, const double* delta) = 0;  ///< this[i] = from[i] ⊕ δ
   virtual void local(int i, const PoolBase& other, double* delta) const = 0;   ///< δ = other[i] ⊖ this[i]
+  /// The same on ambient coordinates that live elsewhere (foreign solvers own their memory).
+  virtual void retract_ambient(const double* x, const double* delta, double* out) const = 0;
+  virtual void local_ambient(const double* from, const double* to, double* delta) const = 0;
   virtual bool is_finite(int i) const = 0;
   virtual double* data(int i) = 0;  ///< the ambient coordinates
   virtual void position(int i, double* p) const = 0;
@@ -57,6 +61,13 @@ class Pool final : public PoolBase {
   void local(int i, const PoolBase& other, double* delta) const override {
     Eigen::Map<Vector<V::dim>>(delta, V::dim) = values_[i].local(static_cast<const Pool&>(other).values_[i]);
   }
+  void retract_ambient(const double* x, const double* delta, double* out) const override {
+    const V moved = from_ambient(x).retract(Eigen::Map<const Vector<V::dim>>(delta));
+    std::memcpy(out, &moved, sizeof(V));
+  }
+  void local_ambient(const double* from, const double* to, double* delta) const override {
+    Eigen::Map<Vector<V::dim>>(delta, V::dim) = from_ambient(from).local(from_ambient(to));
+  }
   bool is_finite(int i) const override { return values_[i].is_finite(); }
   double* data(int i) override { return reinterpret_cast<double*>(&values_[i]); }
   void position(int i, double* p) const override {
@@ -81,6 +92,12 @@ class Pool final : public PoolBase {
 
  private:
   friend class Values;
+  static V from_ambient(const double* x) {
+    V v;
+    std::memcpy(static_cast<void*>(&v), x, sizeof(V));
+    return v;
+  }
+
   std::vector<V> values_;
 };
 

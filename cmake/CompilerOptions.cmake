@@ -1,0 +1,39 @@
+# Compiler settings, per target; nothing here reaches a user of the library but the sanitizers.
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES AND PROJECT_IS_TOP_LEVEL)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Debug, Release, RelWithDebInfo" FORCE)
+endif()
+if(NOT CMAKE_CXX_STANDARD)  # our own sources stay C++17; users may compile theirs with a later one
+  set(CMAKE_CXX_STANDARD 17)
+endif()
+set(CMAKE_CXX_EXTENSIONS OFF)
+if(PROJECT_IS_TOP_LEVEL)
+  set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+endif()
+
+find_program(HOLDFAST_CCACHE ccache)
+mark_as_advanced(HOLDFAST_CCACHE)
+if(HOLDFAST_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
+    CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${HOLDFAST_CCACHE})
+endif()
+
+# Warnings; as errors with HOLDFAST_WERROR.
+function(holdfast_compiler_options target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wpedantic $<$<BOOL:${HOLDFAST_WERROR}>:-Werror>)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # gcc 12 finds uninitialised members in Eigen's fixed-size temporaries where there are none, most of all with sanitizers.
+    target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)
+    if(HOLDFAST_SANITIZE)
+      target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-stringop-overflow)
+    endif()
+  endif()
+endfunction()
+
+function(holdfast_sanitize target)
+  if(HOLDFAST_SANITIZE)
+    list(JOIN HOLDFAST_SANITIZE "," sanitizers)
+    target_compile_options(${target} PUBLIC -fsanitize=${sanitizers} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=${sanitizers})
+  endif()
+endfunction()

@@ -1,0 +1,23 @@
+# What an install holds: the library, its headers, the program, and what find_package(holdfast) needs.
+include(CMakePackageConfigHelpers)
+
+set(installed holdfast)
+foreach(part IN LISTS HOLDFAST_PARTS)
+  if(TARGET holdfast_${part})
+    list(APPEND installed holdfast_${part})
+  endif()
+endforeach()
+install(TARGETS ${installed} EXPORT holdfastTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(TARGET holdfast_cli)
+  install(TARGETS holdfast_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+foreach(room IN ITEMS graph factors solvers adapters)
+  install(DIRECTORY ${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/holdfast/${room} FILES_MATCHING PATTERN "*.hpp")
+endforeach()
+install(FILES tests/testing.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/holdfast OPTIONAL)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/holdfast)
+install(EXPORT holdfastTargets NAMESPACE holdfast:: DESTINATION ${package_dir})
+configure_package_config_file(cmake/holdfastConfig.cmake.in ${PROJECT_BINARY_DIR}/holdfastConfig.cmake INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/holdfastConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/holdfastConfig.cmake ${PROJECT_BINARY_DIR}/holdfastConfigVersion.cmake DESTINATION ${package_dir})

@@ -1,0 +1,29 @@
+// Random walk of a position:   r = (p_b − p_a) / beta,   beta [m] one sigma of a step per axis          (paper C, eq. 9)
+//
+// A is the earlier, B the later variable; anything with a position. Its mean step is zero: a target that moves steadily is better
+// described by white_acceleration.
+#pragma once
+
+#include <holdfast/factors/displacement.hpp>
+#include <holdfast/graph/require.hpp>
+
+namespace holdfast {
+
+template <class A, class B>
+struct PositionStep {
+  double beta;  ///< [m]
+
+  using Variables = variables<A, B>;
+  static constexpr int residual_dim = space_dim<A>;
+  static constexpr bool is_linear = true;  // for poses, too: the position is linear in every tangent
+  static const char* name() { return "PositionStep"; }
+
+  Vector<residual_dim> operator()(const A& a, const B& b, Jacobians<PositionStep>* J = nullptr) const {
+    if (J != nullptr) set_displacement_jacobian(Matrix<residual_dim, residual_dim>::Identity() / beta, *J);
+    return displacement(a, b) / beta;
+  }
+
+  void validate() const { require_positive("PositionStep.beta", beta); }
+};
+
+}  // namespace holdfast

@@ -1,0 +1,50 @@
+// Prior on one variable:   r = W (x ⊖ mean),   W dim × dim with Wᵀ W = information.
+//
+// The units are those of the variable's tangent (translation in the world frame [m], then rotation in the body frame [rad]).
+// For Pose3 the rotation part is Log(R_meanᵀ R), the full angle; its Jacobian is J_r⁻¹ (Solà et al., "A micro Lie theory", 144).
+#pragma once
+
+#include <holdfast/factors/vector_space.hpp>
+#include <holdfast/factors/whitening.hpp>
+#include <holdfast/graph/factor.hpp>
+
+namespace holdfast {
+
+template <class V>
+struct Prior {
+  using Square = Matrix<V::dim, V::dim>;
+  V mean;
+  Square sqrt_information;
+
+  using Variables = variables<V>;
+  static constexpr int residual_dim = V::dim;
+  static constexpr bool is_linear = is_vector_space<V>;
+  static const char* name() { return "Prior"; }
+
+  static Prior from_sigmas(const V& mean, const Vector<V::dim>& sigmas) { return {mean, sqrt_information_from_sigmas<V::dim>(sigmas)}; }
+  static Prior from_covariance(const V& mean, const Square& covariance) {
+    return {mean, sqrt_information_from_covariance<V::dim>(covariance)};
+  }
+  static Prior from_information(const V& mean, const Square& information) {
+    return {mean, sqrt_information_from_information<V::dim>(information)};
+  }
+
+  Vector<V::dim> operator()(const V& x, Jacobians<Prior>* J = nullptr) const {
+    static_assert(is_vector_space<V> || std::is_same_v<V, Pose2> || std::is_same_v<V, Pose3>,
+                  "the Jacobian of local() is not known for this type; write the prior as an AutoDiff factor");
+    const Vector<V::dim> error = mean.local(x);
+    if (J != nullptr) {
+      J->all = sqrt_information;
+      if constexpr (std::is_same_v<V, Pose3>)
+        J->all.template rightCols<3>() = sqrt_information.template rightCols<3>() * so3::right_jacobian_inverse(error.template tail<3>());
+    }
+    return sqrt_information * error;
+  }
+
+  void validate() const {
+    if (!mean.is_finite()) fail<BadNumber>("Prior.mean is not finite; give the ", V::name(), " the variable is expected at");
+    require_finite("Prior.sqrt_information", sqrt_information);
+  }
+};
+
+}  // namespace holdfast

@@ -1,0 +1,34 @@
+// A measured distance between two positions:   r = (‖p_a − p_b‖ − distance) / sigma          (paper C, eq. 2)
+//
+// A and B: anything with a position. Where both positions coincide (below kZeroDistance) the residual is its value at 0 and the
+// Jacobian is zero.
+#pragma once
+
+#include <holdfast/factors/range_ball.hpp>
+
+namespace holdfast {
+
+template <class A, class B>
+struct Range {
+  double distance;  ///< [m]
+  double sigma;     ///< [m]
+
+  using Variables = variables<A, B>;
+  static constexpr int residual_dim = 1;
+  static const char* name() { return "Range"; }
+
+  Vector<1> operator()(const A& a, const B& b, Jacobians<Range>* J = nullptr) const {
+    const auto norm = safe_norm(displacement(a, b));
+    if (J != nullptr) set_displacement_jacobian(norm.gradient.transpose() / sigma, *J);
+    return Vector<1>((norm.value - distance) / sigma);
+  }
+
+  RangeBall<A, B> relaxed() const { return {distance, sigma}; }
+
+  void validate() const {
+    require_not_negative("Range.distance", distance);
+    require_positive("Range.sigma", sigma);
+  }
+};
+
+}  // namespace holdfast

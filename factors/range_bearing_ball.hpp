@@ -1,0 +1,74 @@
+// The joint convex relaxation of a range and a bearing of the same edge (paper C, eq. 5–7), its auxiliary vector eliminated.
+//
+// With x = p_b − p_a, distance d, range sigma σ, direction u (unit, world frame, from a to b) and concentration κ the cost is
+//   c(x) = min over ‖y‖ ≤ d of  ½ ‖x − y‖²/σ² + κ (1 − uᵀy/d),     attained at  y = P_ball(d)(v),  v = x + α u,  α = σ² κ/d.
+// c is convex (a partial minimum of a jointly convex function), once differentiable, ≥ 0, and 0 only at x = d u.
+//
+// As a residual: put m = [(x − y)/σ ; √κ (u − y/d)]. Since κ (1 − uᵀy/d) = ½ κ ‖u − y/d‖² + ½ κ (1 − ‖y‖²/d²),
+//   2c = ‖m‖² + κ (1 − ‖y‖²/d²),       hence   r = g m,   g² = 1 + κ (1 − ‖y‖²/d²)/‖m‖²,   has ½‖r‖² = c.
+//   ‖v‖ > d:  y = d v/‖v‖, g = 1.   This is where the optimum is: v = (d + α) u there.
+//   ‖v‖ ≤ d:  y = v, x − y = −α u, so ‖m‖ ≥ α/σ > 0 and g ≥ 1: the root never comes near zero. g = 1 on the border.
+// So r is continuous, and smooth on either side of the border; no distance is singular, not even zero.
+#pragma once
+
+#include <holdfast/factors/displacement.hpp>
+#include <holdfast/factors/rules.hpp>
+
+namespace holdfast {
+
+template <class A, class B>
+struct RangeBearingBall {
+  static constexpr int space = space_dim<A>;
+  static constexpr int residual_dim = 2 * space;
+  using Direction = Vector<space>;
+  double distance;      ///< [m], > 0
+  double sigma;         ///< [m]
+  Direction direction;  ///< unit vector from a to b, world frame
+  double kappa;         ///< concentration [1]
+
+  using Variables = variables<A, B>;
+  static constexpr bool is_convex = true;  // the cost ½‖r‖², not every component of r
+  static const char* name() { return "RangeBearingBall"; }
+
+  Vector<residual_dim> operator()(const A& a, const B& b, Jacobians<RangeBearingBall>* J = nullptr) const {
+    using Square = Matrix<space, space>;
+    const double root = std::sqrt(kappa);
+    const Direction x = displacement(a, b);
+    const Direction v = x + (sigma * sigma * kappa / distance) * direction;
+    const double length = v.norm();
+    const bool inside = length <= distance;
+    const Direction y = inside ? v : Direction(v * (distance / length));
+
+    Vector<residual_dim> r;  // m until scaled by g
+    r.template head<space>() = (x - y) / sigma;
+    r.template tail<space>() = root * (direction - y / distance);
+    if (!inside) {
+      if (J != nullptr) {
+        const Square dy = (Square::Identity() - v * v.transpose() / (length * length)) * (distance / length);
+        Matrix<residual_dim, space> D;
+        D.template topRows<space>() = (Square::Identity() - dy) / sigma;
+        D.template bottomRows<space>() = -root / distance * dy;
+        set_displacement_jacobian(D, *J);
+      }
+      return r;
+    }
+    const double m2 = r.squaredNorm();
+    const double g = std::sqrt(1 + kappa * (1 - (y / distance).squaredNorm()) / m2);
+    if (J != nullptr) {  // d(2c) = −2κ/d uᵀdx and d‖m‖² = −2κ/d (u − y/d)ᵀdx, hence dg = (d(2c) − g² d‖m‖²) / (2 g ‖m‖²)
+      const Direction dg = -kappa / (distance * g * m2) * (direction - g * g * (direction - y / distance));
+      Matrix<residual_dim, space> D = r * dg.transpose();
+      D.template bottomRows<space>().diagonal().array() -= g * root / distance;
+      set_displacement_jacobian(D, *J);
+    }
+    return g * r;
+  }
+
+  void validate() const {
+    require_positive_number("RangeBearingBall.distance", distance, "leave out a range of zero: its direction has no meaning");
+    require_positive("RangeBearingBall.sigma", sigma);
+    require_unit("RangeBearingBall.direction", direction);
+    require_concentration("RangeBearingBall.kappa", kappa);
+  }
+};
+
+}  // namespace holdfast

@@ -1,0 +1,121 @@
+// Motion over m steps of dt [s], the acceleration white noise:   r = W (F^m x_k − x_{k+m}),   W = Σ^{-1/2} (symmetric)
+//
+// Paper A (1): x_{k+1} = F x_k + G w_k, per axis F = [1 dt; 0 1], G = diag(dt²/2, dt), w ~ N(0, R), R dim × dim [(m/s²)²]. Σ is one of
+//   exact       Q_m = Σ_{i<m} F^i G R Gᵀ F^{iᵀ}                    m steps of (1) as they are: the right one
+//   continuous  q [T³/3 T²/2; T²/2 T] per axis, T = duration       q [m²/s³], the spectral density of the acceleration
+//   paper       G^{[m]} R G^{[m]ᵀ}, dt replaced by m dt in G       as printed below (6); at m = 5 its velocity variance is 5 times too
+//   large (notes D.A.1) recursive   P^{[m]} = F^m P* F^{mᵀ} + G^{[m]} R G^{[m]ᵀ}       as in (7); rightly only the first node's arrival
+//   cost (notes D.A.2–3)
+// The symmetric root makes a per-component Huber mean the same as in the paper (notes D.A.5). Motion2 or Motion3.
+#pragma once
+
+#include <holdfast/factors/rules.hpp>
+#include <holdfast/factors/transition.hpp>
+#include <holdfast/factors/whitening.hpp>
+
+namespace holdfast {
+
+template <class V>
+struct WhiteAcceleration {
+  static_assert(V::order == 2, "the state per axis is [p, v]: Motion2 or Motion3");
+  using Square = Matrix<V::dim, V::dim>;
+  enum class Kind { exact, continuous, paper, recursive };
+  Kind kind;
+  double dt;  ///< of one step [s]; of the whole motion for continuous
+  int steps;
+  Square R;  ///< covariance of w; q times the identity for continuous
+  Square sqrt_information;
+
+  using Variables = variables<V, V>;
+  static constexpr int residual_dim = V::dim;
+  static constexpr bool is_linear = true;
+  static const char* name() { return "WhiteAcceleration"; }
+
+  double duration() const { return steps * dt; }
+
+  static WhiteAcceleration exact(double dt, int steps, const Square& R) {
+    require_step(dt, steps);
+    const Square F = transition<V>(dt);
+    const Square one_step = noise(dt, R);
+    Square Q = one_step;
+    for (int i = 1; i < steps; ++i) Q = F * Q * F.transpose() + one_step;
+    return make(Kind::exact, dt, steps, R, Q);
+  }
+  static WhiteAcceleration continuous(double duration, double q) {
+    require_step(duration, 1);
+    require_positive_number("WhiteAcceleration.q", q, "give the spectral density of the acceleration in m^2/s^3");
+    const double T = duration;
+    Matrix<2, 2> axis;
+    axis << T * T * T / 3, T * T / 2, T * T / 2, T;
+    return make(Kind::continuous, duration, 1, q * Square::Identity(), on_each_axis<V>(q * axis));
+  }
+  static WhiteAcceleration paper(double dt, int steps, const Square& R) {
+    require_step(dt, steps);
+    return make(Kind::paper, dt, steps, R, noise(steps * dt, R));
+  }
+  /// P_start: covariance P* of x_k after its measurement; see CovarianceRecursion.
+  static WhiteAcceleration recursive(double dt, int steps, const Square& R, const Square& P_start) {
+    require_step(dt, steps);
+    const Square F = transition<V>(steps * dt);
+    return make(Kind::recursive, dt, steps, R, F * P_start * F.transpose() + noise(steps * dt, R));
+  }
+
+  /// One factor for m times as many steps.
+  WhiteAcceleration merged(int m) const {
+    require_count("WhiteAcceleration.merged(m)", m);
+    switch (kind) {
+      case Kind::exact:
+        return exact(dt, m * steps, R);
+      case Kind::continuous:
+        return continuous(m * dt, R(0, 0));
+      case Kind::paper:
+        return paper(dt, m * steps, R);
+      case Kind::recursive:
+        break;
+    }
+    fail<BadOption>(
+        "WhiteAcceleration::merged: the recursive covariance depends on the measurements before it; make it by CovarianceRecursion");
+  }
+
+  Vector<V::dim> operator()(const V& x, const V& next, Jacobians<WhiteAcceleration>* J = nullptr) const {
+    return transition_residual(sqrt_information, duration(), x, next, J);
+  }
+
+  void validate() const {
+    require_step(dt, steps);
+    require_finite("WhiteAcceleration.R", R);
+    require_finite("WhiteAcceleration.sqrt_information", sqrt_information);
+  }
+
+ private:
+  static void require_step(double dt, int steps) {
+    require_positive_number("WhiteAcceleration.dt", dt, "give the time between the two states in seconds");
+    require_count("WhiteAcceleration.steps", steps);
+  }
+  /// G(T) R G(T)ᵀ.
+  static Square noise(double T, const Square& R) {
+    const Vector<V::dim> G = Vector<2>(T * T / 2, T).template replicate<V::axes, 1>();
+    return G.asDiagonal() * R * G.asDiagonal();
+  }
+  static WhiteAcceleration make(Kind kind, double dt, int steps, const Square& R, const Square& covariance) {
+    return {kind, dt, steps, R, symmetric_sqrt_information_from_covariance<V::dim>(covariance, "WhiteAcceleration.covariance")};
+  }
+};
+
+/// Paper A's recursion P*[k−m] → P^{[m]}[k] → P*[k] (the Kalman filter's, with m missing steps; notes D.A.2 for its index).
+template <class V>
+struct CovarianceRecursion {
+  Matrix<V::dim, V::dim> P;  ///< P* after the last measurement
+
+  /// The factor to the next measured state, m steps on; Q [m²] is the covariance of the position measured there.
+  WhiteAcceleration<V> step(double dt, int m, const Matrix<V::dim, V::dim>& R, const Matrix<V::axes, V::axes>& Q) {
+    const auto factor = WhiteAcceleration<V>::recursive(dt, m, R, P);
+    const Matrix<V::axes, V::dim> C = V::position_jacobian();
+    const Matrix<V::axes, V::axes> W = sqrt_information_from_covariance<V::axes>(Q, "CovarianceRecursion.Q");
+    const Matrix<V::dim, V::dim> predicted_information = factor.sqrt_information * factor.sqrt_information;
+    P = (predicted_information + C.transpose() * (W.transpose() * W) * C).inverse();
+    return factor;
+  }
+};
+
+}  // namespace holdfast

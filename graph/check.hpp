@@ -1,0 +1,39 @@
+// The problem doctor: what is wrong with a graph and its values, by name, before a solver stumbles over it.
+#pragma once
+
+#include <holdfast/graph/graph.hpp>
+#include <string>
+#include <vector>
+
+namespace holdfast {
+
+struct Finding {
+  enum class Kind {
+    empty_graph,
+    unknown_key,
+    wrong_type,
+    bad_value,               ///< a variable that is not finite
+    bad_residual,            ///< a factor whose residual is not finite at these values
+    nothing_free,
+    unconstrained_variable,  ///< no factor touches it
+    unconstrained_direction,
+    disconnected,
+    free_gauge
+  };
+  enum class Severity { warning, error };  ///< error: the problem has no answer, or no unique one
+
+  Kind kind;
+  Severity severity;
+  std::string text;       ///< culprit, value, rule, cure
+  std::vector<Key> keys;  ///< the culprits
+};
+
+/// Looks at everything; throws nothing for bad input. Empty: all is well.
+std::vector<Finding> check(const Graph& graph, const Values& values);
+
+/// True if some finding is an error.
+bool has_errors(const std::vector<Finding>& findings);
+
+const char* to_string(Finding::Kind kind);
+
+}  // namespace holdfast

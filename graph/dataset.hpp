@@ -1,0 +1,204 @@
+// A file of measurements, read but not yet interpreted: what every reader makes and every writer takes.
+//
+// A Dataset is lossless. Beside each value it keeps the columns of the file (an angle, not its cosine; the quaternion before it
+// was normalised) and the noise matrix as written, so file → Dataset → file gives every number back bit by bit.
+// The columns are a memory, not a second truth: a writer uses them only while they still decode to the value.
+//
+// Noise matrices. Order: translation, rotation. `written` is in the coordinates of its format:
+//   PyFG  COVARIANCE of holdfast's tangent at the measured value. Rotation: full-angle rotation vector [rad²] (PyFactorGraph and CORA
+//         take κ = 3 / (2 tr Σ_rot) for 2κ‖φ‖², which is just this). They only use traces, so the frame of the translation is
+//         nowhere stated; we take the tangent's.
+//   g2o   INFORMATION of the error measured⁻¹ · predicted: translation in the frame of the MEASURED pose; rotation as the vector part
+//         of the quaternion, half the angle, in EDGE_SE3:QUAT (and as the angle in EDGE_SE2).
+//   TORO  INFORMATION of x y θ or x y z roll pitch yaw, translation in the frame of the first pose (as its own optimiser has
+//         it). Roll, pitch, yaw are those of the error, near zero, where they equal the rotation vector.
+// `information()` converts to holdfast's tangent δ = measured.local(predicted): translation in the frame in which the measurement
+// is expressed (first pose; world for a prior), full-angle rotation vector. So for g2o in space the rotation block is
+// divided by 4, the cross blocks by 2, and translation rows and columns are turned by the measured rotation.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <holdfast/graph/key.hpp>
+#include <holdfast/graph/variables.hpp>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace holdfast {
+
+enum class Format { PyFG, G2o, Toro };
+
+inline const char* name(Format format) {
+  static constexpr std::array<const char*, 3> names{"PyFG", "g2o", "TORO"};
+  return names[static_cast<std::size_t>(format)];
+}
+
+/// The numbers of a value in the file: x y θ | x y z qx qy qz qw | x y z roll pitch yaw | x y | x y z. Empty: none known.
+struct Columns {
+  std::array<double, 7> number{};
+  int size = 0;
+};
+
+/// d(coordinates of `format`) / d(holdfast's tangent) at the measured value; see the head of this file.
+template <class V>
+Matrix<V::dim, V::dim> noise_coordinates(Format format, const V& measured) {
+  constexpr int space = V::space_dim;
+  Matrix<V::dim, V::dim> J = Matrix<V::dim, V::dim>::Identity();
+  if constexpr (V::dim > space) {
+    if (format == Format::G2o) {
+      J.template topLeftCorner<space, space>() = measured.rotation().transpose();
+      if constexpr (space == 3) J.template bottomRightCorner<3, 3>() *= 0.5;
+    }
+  }
+  return J;
+}
+
+namespace detail {
+template <int N>
+Matrix<N, N> inverse_of_symmetric(const Matrix<N, N>& S) {
+  const Matrix<N, N> inverse = S.llt().solve(Matrix<N, N>::Identity());
+  return 0.5 * (inverse + inverse.transpose());
+}
+template <int N>
+Matrix<N, N> congruence(const Matrix<N, N>& J, const Matrix<N, N>& S) {
+  const Matrix<N, N> product = J.transpose() * S * J;
+  return 0.5 * (product + product.transpose());
+}
+}  // namespace detail
+
+/// A symmetric positive definite matrix in the convention of `format`.
+template <int N>
+struct MatrixNoise {
+  Matrix<N, N> written = Matrix<N, N>::Identity();
+  Format format = Format::PyFG;
+
+  bool is_covariance() const { return format == Format::PyFG; }
+
+  /// Information in holdfast's tangent at `measured`.
+  template <class V>
+  Matrix<N, N> information(const V& measured) const {
+    static_assert(V::dim == N);
+    return detail::congruence<N>(noise_coordinates(format, measured), is_covariance() ? detail::inverse_of_symmetric<N>(written) : written);
+  }
+  /// The same noise in the convention of another format; exactly `*this` where it is the same format.
+  template <class V>
+  MatrixNoise converted(Format to, const V& measured) const {
+    if (to == format) return *this;
+    const Matrix<N, N> tangent_of_coordinates = noise_coordinates(to, measured).inverse();
+    const Matrix<N, N> I = detail::congruence<N>(tangent_of_coordinates, information(measured));
+    return {to == Format::PyFG ? detail::inverse_of_symmetric<N>(I) : I, to};
+  }
+};
+
+using VertexValue = std::variant<Pose2, Pose3, Point2, Point3>;
+
+struct Vertex {
+  Key key;
+  VertexValue value;
+  Columns columns;
+  std::optional<double> time;  ///< [s]
+  std::size_t line = 0;        ///< in the file; 0: made, not read
+};
+
+/// T_first_second, V = Pose2 or Pose3.
+template <class V>
+struct RelativePoseEdge {
+  Key first, second;
+  V measured;
+  Columns columns;
+  MatrixNoise<V::dim> noise;
+  Matrix<V::dim, V::dim> information() const { return noise.information(measured); }
+};
+
+/// p_pose: the landmark in the frame of the pose. P = Point2 or Point3.
+template <class P>
+struct RelativePointEdge {
+  Key pose, landmark;
+  P measured;
+  Columns columns;
+  MatrixNoise<P::dim> noise;
+  std::optional<std::uint64_t> offset;  ///< id of the SensorOffset that g2o's EDGE_SE3_TRACKXYZ names
+  Matrix<P::dim, P::dim> information() const { return noise.information(measured); }
+};
+
+struct RangeEdge {
+  Key first, second;
+  double distance = 0;  ///< [m]
+  double variance = 1;  ///< [m²]
+};
+
+/// A direct measurement of one variable. V = Pose2, Pose3, Point2 or Point3.
+template <class V>
+struct PriorEdge {
+  Key key;
+  V measured;
+  Columns columns;
+  MatrixNoise<V::dim> noise;
+  std::optional<std::uint64_t> offset;  ///< id of the SensorOffset that g2o's EDGE_SE3_PRIOR names
+  Matrix<V::dim, V::dim> information() const { return noise.information(measured); }
+};
+
+using Measurement =
+    std::variant<RelativePoseEdge<Pose2>, RelativePoseEdge<Pose3>, RelativePointEdge<Point2>, RelativePointEdge<Point3>, RangeEdge,
+                 PriorEdge<Pose2>, PriorEdge<Pose3>, PriorEdge<Point2>, PriorEdge<Point3>>;
+
+struct Edge {
+  Measurement measurement;
+  std::optional<double> time;  ///< [s]
+  std::size_t line = 0;
+};
+
+/// One key of a FIX line; a key may be fixed more than once.
+struct Fixed {
+  Key key;
+  std::size_t line = 0;
+};
+
+/// g2o's PARAMS_SE3OFFSET: the sensor in the body. Only the identity is understood; an edge that names another one is an error.
+struct SensorOffset {
+  std::uint64_t id = 0;
+  Pose3 T_body_sensor;
+  Columns columns;
+  std::size_t line = 0;
+};
+
+/// A line whose tag no reader knows: kept as it is, written back into the same format.
+struct UnknownLine {
+  std::string tag;
+  std::string text;
+  std::size_t line = 0;
+};
+
+struct UnknownTag {
+  std::string tag;
+  std::size_t count = 0;
+  std::size_t first_line = 0;
+};
+
+struct Dataset {
+  Format format = Format::PyFG;
+  std::string name;  ///< the file, for messages
+  std::vector<Vertex> vertices;
+  std::vector<Edge> edges;  ///< in the order of the file
+  std::vector<Fixed> fixed;
+  std::vector<SensorOffset> offsets;
+  std::vector<UnknownLine> unknown;
+};
+
+/// The unknown tags in the order of their first line.
+std::vector<UnknownTag> unknown_tags(const Dataset& dataset);
+
+/// One line for the user: "graph.g2o: 3 lines of 2 unknown tags left out: FOO (2, first in line 7), BAR (1, first in line 9)"; else empty.
+std::string unknown_report(const Dataset& dataset);
+
+/// The keys of a measurement: one for a prior, two for anything else.
+std::vector<Key> keys_of(const Measurement& measurement);
+
+/// For messages: "range A1 L0 (line 12)".
+std::string describe(const Edge& edge);
+
+}  // namespace holdfast

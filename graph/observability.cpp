@@ -1,0 +1,240 @@
+#include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <holdfast/graph/observability.hpp>
+#include <numeric>
+
+namespace holdfast {
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double>;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kNull = 1e-13;       // a pivot of the unit-diagonal H below this is a free direction: rounding is 1e-16
+constexpr double kGaugeNull = 1e-11;  // the same for the Rayleigh quotient of a rigid motion
+constexpr std::size_t kMostListed = 20;
+
+// H = Σ w JᵀJ scaled to a unit diagonal, and what it was scaled by.
+struct Scaled {
+  Sparse H;
+  VectorXd scale;                  // 1/√H_ii; 0 where H_ii = 0
+  std::vector<bool> has_idle_factor;  // by variable: some factor's Jacobian is zero here
+};
+
+struct Assembly {
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<bool> idle;
+};
+
+void assemble_factor(const FactorBatch& batch, int i, const int* variable, const Resolved& resolved, const MatrixXd& J, Assembly& out) {
+  int row = 0;
+  for (int a = 0; a < batch.arity(); row += batch.dims()[a++]) {
+    const Resolved::Variable& va = resolved.variables()[variable[a]];
+    const auto Ja = J.middleCols(row, batch.dims()[a]);
+    if (Ja.isZero(0)) out.idle[variable[a]] = true;
+    if (va.offset < 0) continue;
+    int column = 0;
+    for (int b = 0; b < batch.arity(); column += batch.dims()[b++]) {
+      const Resolved::Variable& vb = resolved.variables()[variable[b]];
+      if (vb.offset < 0 || vb.offset > va.offset) continue;
+      const MatrixXd block = batch.weight(i) * Ja.transpose() * J.middleCols(column, batch.dims()[b]);
+      for (int r = 0; r < block.rows(); ++r)
+        for (int c = 0; c < block.cols(); ++c) out.entries.emplace_back(va.offset + r, vb.offset + c, block(r, c));
+    }
+  }
+}
+
+Scaled scaled_hessian(const Graph& graph, const Resolved& resolved, const Values& values) {
+  Assembly assembly;
+  assembly.idle.assign(resolved.variables().size(), false);
+  for (std::size_t b = 0; b < graph.batches().size(); ++b) {
+    const FactorBatch& batch = *graph.batches()[b];
+    VectorXd r(batch.residual_dim());
+    MatrixXd J(batch.residual_dim(), batch.total_dim());
+    for (int i = 0; i < batch.size(); ++i) {
+      batch.evaluate(values, resolved.batches()[b].index.data(), i, i + 1, r.data(), J.data());
+      if (J.allFinite()) assemble_factor(batch, i, &resolved.batches()[b].variable[static_cast<std::size_t>(i) * batch.arity()], resolved, J, assembly);
+    }
+  }
+  const int n = resolved.tangent_dim();
+  Scaled scaled{Sparse(n, n), VectorXd::Zero(n), std::move(assembly.idle)};
+  scaled.H.setFromTriplets(assembly.entries.begin(), assembly.entries.end());
+  for (int i = 0; i < n; ++i) {
+    const double d = scaled.H.coeff(i, i);
+    scaled.scale[i] = d > 0 ? 1 / std::sqrt(d) : 0;
+  }
+  scaled.H = scaled.scale.asDiagonal() * scaled.H * scaled.scale.asDiagonal();
+  return scaled;
+}
+
+std::vector<Component> find_components(const Graph& graph, const Resolved& resolved) {
+  std::vector<int> parent(resolved.variables().size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (std::size_t b = 0; b < graph.batches().size(); ++b) {
+    const int arity = graph.batches()[b]->arity();
+    const std::vector<int>& variable = resolved.batches()[b].variable;
+    for (std::size_t f = 0; f < variable.size(); f += arity)
+      for (int k = 1; k < arity; ++k) {
+        const bool both_free = resolved.variables()[variable[f]].offset >= 0 && resolved.variables()[variable[f + k]].offset >= 0;
+        if (both_free) parent[root(variable[f + k])] = root(variable[f]);
+        for (int j = 1; j < k; ++j)  // a fixed first variable ties nothing, but the others are tied
+          if (resolved.variables()[variable[f + j]].offset >= 0 && resolved.variables()[variable[f + k]].offset >= 0)
+            parent[root(variable[f + k])] = root(variable[f + j]);
+      }
+  }
+  std::vector<int> number(parent.size(), -1);
+  std::vector<Component> components;
+  for (std::size_t v = 0; v < parent.size(); ++v) {
+    if (resolved.variables()[v].offset < 0) continue;
+    int& n = number[root(static_cast<int>(v))];
+    if (n < 0) {
+      n = static_cast<int>(components.size());
+      components.emplace_back();
+    }
+    components[n].variables.push_back(static_cast<int>(v));
+  }
+  return components;
+}
+
+// Null vectors of the scaled H, one for each vanishing pivot of L D Lᵀ: Lᵀ x = e_j gives H x = d_j L e_j ≈ 0.
+std::vector<VectorXd> null_vectors(const Sparse& H, std::size_t most) {
+  const auto n = H.rows();
+  Sparse shifted = H;
+  for (Eigen::Index i = 0; i < n; ++i) shifted.coeffRef(i, i) += 1e-15;  // a pivot of exactly zero would stop Eigen
+  const Eigen::SimplicialLDLT<Sparse, Eigen::Lower> ldlt(shifted);
+  std::vector<VectorXd> null;
+  for (Eigen::Index j = 0; j < n && null.size() < most; ++j) {
+    if (!(ldlt.vectorD()[j] <= kNull)) continue;
+    VectorXd x = VectorXd::Unit(n, j);
+    ldlt.matrixU().solveInPlace(x);
+    null.push_back((ldlt.permutationPinv() * x).normalized());
+  }
+  return null;
+}
+
+// Unit rigid motions (scaled tangent) of a component about its own centre: translations, then rotations.
+MatrixXd rigid_motions(const Component& component, const Resolved& resolved, const Values& values, const Scaled& scaled, int space) {
+  VectorXd centre = VectorXd::Zero(space), p(space);
+  int count = 0;
+  for (int v : component.variables) {
+    const Resolved::Variable& variable = resolved.variables()[v];
+    if (values.pool(variable.pool).space() != space) continue;
+    values.pool(variable.pool).position(variable.index, p.data());
+    centre += p;
+    ++count;
+  }
+  centre /= std::max(1, count);
+  const int rotations = space == 2 ? 1 : 3;
+  MatrixXd G = MatrixXd::Zero(resolved.tangent_dim(), space + rotations);
+  for (int v : component.variables) {
+    const Resolved::Variable& variable = resolved.variables()[v];
+    if (values.pool(variable.pool).space() != space) continue;
+    for (int g = 0; g < G.cols(); ++g) {
+      VectorXd velocity = VectorXd::Zero(space), w = VectorXd::Zero(rotations), motion(variable.dim);
+      if (g < space) {
+        velocity[g] = 1;
+      } else {  // v + w × p with v = −w × centre turns about the centre
+        w[g - space] = 1;
+        if (space == 2)
+          velocity = -cross<double>(Vector<1>(w), Vector<2>(centre));
+        else
+          velocity = -cross<double>(Vector<3>(w), Vector<3>(centre));
+      }
+      values.pool(variable.pool).rigid_motion(variable.index, velocity.data(), w.data(), motion.data());
+      for (int c = 0; c < variable.dim; ++c) {
+        const double scale = scaled.scale[variable.offset + c];
+        G(variable.offset + c, g) = scale > 0 ? motion[c] / scale : 0;
+      }
+    }
+  }
+  for (int g = 0; g < G.cols(); ++g)
+    if (G.col(g).norm() > 0) G.col(g).normalize();
+  return G;
+}
+
+// Names the free rigid motions of a component; returns an orthonormal basis of them.
+MatrixXd find_gauge(Component& component, const Resolved& resolved, const Values& values, const Scaled& scaled) {
+  static const char* const names2[] = {"translation x", "translation y", "rotation"};
+  static const char* const names3[] = {"translation x", "translation y", "translation z", "rotation x", "rotation y", "rotation z"};
+  MatrixXd basis(resolved.tangent_dim(), 0);
+  for (int space : {2, 3}) {
+    const MatrixXd G = rigid_motions(component, resolved, values, scaled, space);
+    if (G.isZero(0)) continue;
+    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(G).householderQ() * MatrixXd::Identity(G.rows(), G.cols());
+    const MatrixXd quotient = Q.transpose() * (scaled.H.selfadjointView<Eigen::Lower>() * Q);
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(quotient);
+    for (int k = 0; k < G.cols(); ++k) {
+      if (eigen.eigenvalues()[k] > kGaugeNull) continue;
+      const VectorXd free = Q * eigen.eigenvectors().col(k);
+      Eigen::Index named = 0;  // the rigid motion it is most like, that has not been named yet
+      VectorXd likeness = (G.transpose() * free).cwiseAbs();
+      for (;; likeness[named] = -1) {
+        likeness.maxCoeff(&named);
+        const std::string name = space == 2 ? names2[named] : names3[named];
+        if (std::find(component.gauge.begin(), component.gauge.end(), name) != component.gauge.end()) continue;
+        component.gauge.push_back(name);
+        break;
+      }
+      basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
+      basis.rightCols(1) = free;
+    }
+  }
+  return basis;
+}
+
+Component::Direction describe(const VectorXd& x, const Component& component, const Resolved& resolved, const Scaled& scaled) {
+  Component::Direction direction{};
+  double most = -1;
+  for (int v : component.variables) {
+    const Resolved::Variable& variable = resolved.variables()[v];
+    Eigen::Index entry = 0;
+    const double size = x.segment(variable.offset, variable.dim).cwiseAbs().maxCoeff(&entry);
+    if (size > 1e-6) ++direction.others;
+    if (size <= most) continue;
+    most = size;
+    direction.key = variable.key;
+    direction.component = static_cast<int>(entry);
+    direction.only_here = scaled.has_idle_factor[v];
+  }
+  --direction.others;
+  return direction;
+}
+
+}  // namespace
+
+std::vector<Component> observability(const Graph& graph, const Resolved& resolved, const Values& values) {
+  std::vector<Component> components = find_components(graph, resolved);
+  const Scaled scaled = scaled_hessian(graph, resolved, values);
+  const std::vector<VectorXd> null = null_vectors(scaled.H, 10 * kMostListed);
+  if (null.empty()) return components;
+  std::vector<int> component_of(resolved.tangent_dim());
+  for (std::size_t c = 0; c < components.size(); ++c)
+    for (int v : components[c].variables)
+      std::fill_n(component_of.begin() + resolved.variables()[v].offset, resolved.variables()[v].dim, static_cast<int>(c));
+  std::vector<MatrixXd> known(components.size());
+  std::vector<bool> seen(components.size(), false);
+  for (VectorXd x : null) {
+    Eigen::Index largest = 0;
+    x.cwiseAbs().maxCoeff(&largest);
+    const int c = component_of[largest];
+    if (!seen[c]) known[c] = find_gauge(components[c], resolved, values, scaled);
+    seen[c] = true;
+    for (int twice = 0; twice < 2; ++twice) x -= known[c] * (known[c].transpose() * x);
+    if (x.norm() < 1e-4) continue;  // one of the rigid motions, or a direction already listed
+    x.normalize();
+    known[c].conservativeResize(Eigen::NoChange, known[c].cols() + 1);
+    known[c].rightCols(1) = x;
+    if (components[c].directions.size() < kMostListed)
+      components[c].directions.push_back(describe(x, components[c], resolved, scaled));
+    else
+      ++components[c].more_directions;
+  }
+  return components;
+}
+
+}  // namespace holdfast

@@ -1,0 +1,22 @@
+// The same graph as a ceres::Problem. Every factor is one residual block; block losses become Ceres loss functions with the same ρ
+// (scaled by the weight); per-component and one-sided losses, which Ceres has not, are folded into the residual exactly:
+// r̃_c = sign(r_c) √ρ(r_c²), so that ½‖r̃‖² is the cost and J̃ᵀr̃ its gradient.
+// Linear solver: dense Cholesky up to 60 unknowns without many factors, else sparse Cholesky (CHOLMOD where Ceres has it).
+#pragma once
+
+#include <holdfast/solvers/backend.hpp>
+
+namespace holdfast {
+
+struct CeresVariant {
+  const char* name;
+  double trust_region_radius;  ///< of the first step; 1e32: Gauss–Newton until a step fails
+  bool dogleg;
+};
+
+/// "ceres" is Ceres at its best on the problems of this field; the others are there to compare with.
+inline constexpr CeresVariant kCeresVariants[] = {{"ceres", 1e32, false}, {"ceres-lm", 1e4, false}, {"ceres-dogleg", 1e4, true}};
+
+std::unique_ptr<Backend> make_ceres(const CeresVariant& variant, const Options& options);
+
+}  // namespace holdfast

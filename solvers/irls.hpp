@@ -1,0 +1,28 @@
+// The in-house second-order back-end: iteratively re-weighted least squares as damped Gauss–Newton on the manifold.
+//
+// Each iteration weighs every term by w ρ'(s), builds H and g, and solves (H + λ D) δ = −g, D = diag(H), by sparse Cholesky. λ starts at
+// 0 (Gauss–Newton); a step that does not lower the cost, or an H that is not positive definite, raises λ (Levenberg–Marquardt),
+// and steps that the quadratic model predicted well lower it again, to 0.
+// A solver object keeps the resolved problem, the ordering and the symbolic factorisation, and uses them again as long as
+// neither the graph's nor the values' structure changes.
+#pragma once
+
+#include <holdfast/solvers/backend.hpp>
+
+namespace holdfast {
+
+class Irls final : public Backend {
+ public:
+  explicit Irls(Options chosen = {});
+  ~Irls() override;
+  std::string name() const override { return "irls"; }
+
+ protected:
+  Summary minimize(const Graph& graph, Values& values) override;
+
+ private:
+  struct Workspace;
+  std::unique_ptr<Workspace> workspace_;
+};
+
+}  // namespace holdfast

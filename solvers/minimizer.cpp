@@ -1,0 +1,56 @@
+#include <cmath>
+#include <holdfast/solvers/minimizer.hpp>
+
+namespace holdfast {
+
+bool Progress::begin(double cost, const Graph& graph, const Resolved& resolved, const Values& values) {
+  summary.cost_first = summary.cost = cost;
+  if (std::isfinite(cost)) return true;
+  end(Termination::failed, "the cost at the start is not finite");
+  summary.culprit = resolved.first_non_finite(graph, values);
+  return false;
+}
+
+bool Progress::report(double gradient_norm) {
+  summary.gradient_norm = gradient_norm;
+  if (!options_.trace && !options_.progress) return true;
+  const Iteration iteration{summary.iterations, summary.cost, gradient_norm, watch.seconds()};
+  if (options_.trace) summary.trace.push_back(iteration);
+  return !options_.progress || options_.progress(iteration);
+}
+
+bool Progress::go_on(double gradient_norm) {
+  if (!report(gradient_norm)) {
+    end(Termination::stopped, "the progress callback asked to stop");
+  } else if (summary.iterations >= max_iterations_) {
+    end(Termination::iteration_limit, "max_iterations reached");
+  } else if (watch.seconds() > options_.time_limit) {
+    end(Termination::time_limit, "time_limit reached");
+  } else {
+    return true;
+  }
+  return false;
+}
+
+bool Progress::gradient_is_flat(double gradient_norm) {
+  if (!(gradient_norm <= options_.gradient_tolerance)) return false;
+  end(Termination::converged, "the gradient is within gradient_tolerance");
+  return true;
+}
+
+bool Progress::decrease_is_small(double cost_before, double cost) {
+  if (!(cost_before - cost <= options_.cost_tolerance * cost_before)) return false;
+  end(Termination::converged, "the relative decrease of the cost is within cost_tolerance");
+  return true;
+}
+
+double max_norm(const std::vector<double>& v) {
+  double largest = 0;
+  for (double x : v) {
+    if (std::isnan(x)) return x;
+    largest = std::max(largest, std::abs(x));
+  }
+  return largest;
+}
+
+}  // namespace holdfast

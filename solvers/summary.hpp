@@ -1,0 +1,33 @@
+// How a solve went and why it stopped.
+#pragma once
+
+#include <holdfast/solvers/options.hpp>
+#include <string>
+#include <vector>
+
+namespace holdfast {
+
+enum class Termination { converged, iteration_limit, time_limit, stopped, failed };
+const char* to_string(Termination termination);
+
+struct Summary {
+  Termination termination = Termination::failed;
+  const char* rule = "";         ///< the stopping rule that ended it (a text that lives for ever)
+  std::string culprit;           ///< of a failure: factor, keys, values
+  double cost_first = 0;         ///< Σ w ½ρ at the start, by Graph::cost
+  double cost = 0;               ///< at the answer
+  double gradient_norm = 0;      ///< largest component of the gradient at the answer (in the tangent)
+  int iterations = 0;            ///< linearisations that led to a step, accepted or not
+  double seconds = 0;            ///< the whole solve() call
+  double seconds_setup = 0;      ///< of it: the back-end's own problem, ordering, symbolic phase
+  double seconds_linearize = 0;  ///< residuals and Jacobians
+  double seconds_solve = 0;      ///< linear algebra
+  std::vector<Iteration> trace;  ///< if asked for
+
+  /// True where values hold an answer no worse than the start: everything but a failure.
+  bool usable() const { return termination != Termination::failed; }
+  std::string why() const { return culprit.empty() ? rule : rule + (": " + culprit); }
+  std::string str() const;
+};
+
+}  // namespace holdfast

@@ -1,0 +1,92 @@
+// For tests of factors, yours included (installed; needs Eigen only):
+//
+//   std::mt19937_64 rng(1);
+//   EXPECT_LT(holdfast::testing::jacobian_error(MyFactor{…}, testing::random_variable<Pose2>(rng), …), 1e-7);
+#pragma once
+
+#include <holdfast/graph/factor.hpp>
+#include <limits>
+#include <random>
+
+namespace holdfast::testing {
+
+/// Independent normal components.
+template <int N>
+Vector<N> random_vector(std::mt19937_64& rng, double sigma = 1) {
+  std::normal_distribution<double> normal(0, sigma);
+  Vector<N> v;
+  for (int i = 0; i < N; ++i) v[i] = normal(rng);
+  return v;
+}
+
+inline double uniform(std::mt19937_64& rng, double low, double high) { return std::uniform_real_distribution<double>(low, high)(rng); }
+
+template <int N>
+Vector<N> random_unit(std::mt19937_64& rng) {
+  return random_vector<N>(rng).normalized();
+}
+
+/// Symmetric, eigenvalues at least `floor`.
+template <int N>
+Matrix<N, N> random_covariance(std::mt19937_64& rng, double floor = 0.1) {
+  Matrix<N, N> A;
+  for (int i = 0; i < N; ++i) A.col(i) = random_vector<N>(rng, 0.5);
+  return A * A.transpose() + floor * Matrix<N, N>::Identity();
+}
+
+/// Some metres from the origin, turned anyhow.
+template <class V>
+V random_variable(std::mt19937_64& rng) {
+  return V{}.retract(random_vector<V::dim>(rng, 5));
+}
+
+/// Where series and limits take over.
+template <class V>
+V near_identity(std::mt19937_64& rng, double size = 1e-8) {
+  return V{}.retract(random_vector<V::dim>(rng, size));
+}
+
+namespace detail {
+
+template <class F, class Tuple, std::size_t... I>
+Residual<F> residual_moved(const F& factor, const Tuple& x, int column, double step, std::index_sequence<I...>) {
+  const auto moved = [&](const auto& variable, int first) {
+    using V = std::decay_t<decltype(variable)>;
+    Vector<V::dim> delta = Vector<V::dim>::Zero();
+    if (column >= first && column < first + V::dim) delta[column - first] = step;
+    return variable.retract(delta);
+  };
+  return factor(moved(std::get<I>(x), F::Variables::offsets[I])...);
+}
+
+}  // namespace detail
+
+/// d residual / d tangent by central differences over two steps, extrapolated: the error is of fourth order in the step.
+template <class F, class... V>
+auto numeric_jacobian(const F& factor, const V&... x) {
+  constexpr double step = 1e-3;
+  const std::tuple<V...> all(x...);
+  const auto slope = [&](int column, double h) -> Residual<F> {
+    constexpr std::index_sequence_for<V...> indices{};
+    return (detail::residual_moved(factor, all, column, h, indices) - detail::residual_moved(factor, all, column, -h, indices)) / (2 * h);
+  };
+  Jacobians<F> J;
+  for (int column = 0; column < F::Variables::total_dim; ++column)
+    J.all.col(column) = (4 * slope(column, step / 2) - slope(column, step)) / 3;
+  return J;
+}
+
+/// The largest difference between the factor's Jacobian and the numeric one, relative to 1 + the largest entry. Infinite where the
+/// factor leaves an entry unwritten, or where asking for the Jacobian changes the residual.
+template <class F, class... V>
+double jacobian_error(const F& factor, const V&... x) {
+  Jacobians<F> J;
+  J.all.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const Residual<F> with = factor(x..., &J);
+  const Residual<F> without = factor(x...);
+  if (!(with == without) || !J.all.array().isFinite().all()) return std::numeric_limits<double>::infinity();
+  const double error = (J.all - numeric_jacobian(factor, x...).all).cwiseAbs().maxCoeff();
+  return error / (1 + J.all.cwiseAbs().maxCoeff());
+}
+
+}  // namespace holdfast::testing
