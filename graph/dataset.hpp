@@ -4,17 +4,16 @@
 // was normalised) and the noise matrix as written, so file → Dataset → file gives every number back bit by bit.
 // The columns are a memory, not a second truth: a writer uses them only while they still decode to the value.
 //
-// Noise matrices. Order: translation, rotation. `written` is in the coordinates of its format:
-//   PyFG  COVARIANCE of holdfast's tangent at the measured value. Rotation: full-angle rotation vector [rad²] (PyFactorGraph and CORA
-//         take κ = 3 / (2 tr Σ_rot) for 2κ‖φ‖², which is just this). They only use traces, so the frame of the translation is
-//         nowhere stated; we take the tangent's.
-//   g2o   INFORMATION of the error measured⁻¹ · predicted: translation in the frame of the MEASURED pose; rotation as the vector part
-//         of the quaternion, half the angle, in EDGE_SE3:QUAT (and as the angle in EDGE_SE2).
-//   TORO  INFORMATION of x y θ or x y z roll pitch yaw, translation in the frame of the first pose (as its own optimiser has
-//         it). Roll, pitch, yaw are those of the error, near zero, where they equal the rotation vector.
-// `information()` converts to holdfast's tangent δ = measured.local(predicted): translation in the frame in which the measurement
-// is expressed (first pose; world for a prior), full-angle rotation vector. So for g2o in space the rotation block is
-// divided by 4, the cross blocks by 2, and translation rows and columns are turned by the measured rotation.
+// Noise matrices. Order: translation, rotation. For a pose the deviation from the measured value is measured⁻¹ · predicted:
+// translation in the frame of the MEASURED pose, rotation vector (full angle). `written` is in the coordinates of its format:
+//   PyFG  COVARIANCE of just this. Rotation: full angle [rad²] (PyFactorGraph and CORA take κ = 3 / (2 tr Σ_rot) for 2κ‖φ‖²). They
+//         only use traces, so the frame of the translation is nowhere stated; we take g2o's.
+//   g2o   INFORMATION of just this in EDGE_SE2; in EDGE_SE3:QUAT the rotation is the vector part of the quaternion: half the angle.
+//   TORO  INFORMATION with the translation in the frame of the FIRST pose (as its own optimiser has it). Roll, pitch, yaw are
+//         those of the deviation, near zero, where they equal the rotation vector.
+// The edges' information() is what the factors ask for. RelativePoseEdge (Between): of measured⁻¹ · predicted, so for g2o in space the
+// rotation block is divided by 4, the cross blocks by 2, the translation block is as written. PriorEdge (Prior): of holdfast's
+// tangent measured.local(x), so moreover the translation is turned into the world.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -43,16 +42,14 @@ struct Columns {
   int size = 0;
 };
 
-/// d(coordinates of `format`) / d(holdfast's tangent) at the measured value; see the head of this file.
+/// d(coordinates of `format`) / d(measured⁻¹ · predicted); see the head of this file.
 template <class V>
 Matrix<V::dim, V::dim> noise_coordinates(Format format, const V& measured) {
   constexpr int space = V::space_dim;
   Matrix<V::dim, V::dim> J = Matrix<V::dim, V::dim>::Identity();
   if constexpr (V::dim > space) {
-    if (format == Format::G2o) {
-      J.template topLeftCorner<space, space>() = measured.rotation().transpose();
-      if constexpr (space == 3) J.template bottomRightCorner<3, 3>() *= 0.5;
-    }
+    if (format == Format::Toro) J.template topLeftCorner<space, space>() = measured.rotation();
+    if (format == Format::G2o && space == 3) J.template bottomRightCorner<V::dim - space, V::dim - space>() *= 0.5;
   }
   return J;
 }
@@ -78,18 +75,25 @@ struct MatrixNoise {
 
   bool is_covariance() const { return format == Format::PyFG; }
 
-  /// Information in holdfast's tangent at `measured`.
+  /// Information of measured⁻¹ · predicted: translation in the frame of the measured pose, full-angle rotation vector.
   template <class V>
   Matrix<N, N> information(const V& measured) const {
     static_assert(V::dim == N);
     return detail::congruence<N>(noise_coordinates(format, measured), is_covariance() ? detail::inverse_of_symmetric<N>(written) : written);
   }
+  /// Information of holdfast's tangent measured.local(predicted): the translation in the frame the measured value is expressed in.
+  template <class V>
+  Matrix<N, N> tangent_information(const V& measured) const {
+    Matrix<N, N> J = Matrix<N, N>::Identity();
+    if constexpr (N > V::space_dim) J.template topLeftCorner<V::space_dim, V::space_dim>() = measured.rotation().transpose();
+    return detail::congruence<N>(J, information(measured));
+  }
   /// The same noise in the convention of another format; exactly `*this` where it is the same format.
   template <class V>
   MatrixNoise converted(Format to, const V& measured) const {
     if (to == format) return *this;
-    const Matrix<N, N> tangent_of_coordinates = noise_coordinates(to, measured).inverse();
-    const Matrix<N, N> I = detail::congruence<N>(tangent_of_coordinates, information(measured));
+    const Matrix<N, N> deviation_of_coordinates = noise_coordinates(to, measured).inverse();
+    const Matrix<N, N> I = detail::congruence<N>(deviation_of_coordinates, information(measured));
     return {to == Format::PyFG ? detail::inverse_of_symmetric<N>(I) : I, to};
   }
 };
@@ -139,12 +143,11 @@ struct PriorEdge {
   Columns columns;
   MatrixNoise<V::dim> noise;
   std::optional<std::uint64_t> offset;  ///< id of the SensorOffset that g2o's EDGE_SE3_PRIOR names
-  Matrix<V::dim, V::dim> information() const { return noise.information(measured); }
+  Matrix<V::dim, V::dim> information() const { return noise.tangent_information(measured); }
 };
 
-using Measurement =
-    std::variant<RelativePoseEdge<Pose2>, RelativePoseEdge<Pose3>, RelativePointEdge<Point2>, RelativePointEdge<Point3>, RangeEdge,
-                 PriorEdge<Pose2>, PriorEdge<Pose3>, PriorEdge<Point2>, PriorEdge<Point3>>;
+using Measurement = std::variant<RelativePoseEdge<Pose2>, RelativePoseEdge<Pose3>, RelativePointEdge<Point2>, RelativePointEdge<Point3>,
+                                 RangeEdge, PriorEdge<Pose2>, PriorEdge<Pose3>, PriorEdge<Point2>, PriorEdge<Point3>>;
 
 struct Edge {
   Measurement measurement;

@@ -48,8 +48,8 @@ std::vector<UnknownTag> unknown_tags(const Dataset& dataset) {
 std::string unknown_report(const Dataset& dataset) {
   const std::vector<UnknownTag> tags = unknown_tags(dataset);
   if (tags.empty()) return {};
-  std::string report = dataset.name + ": " + std::to_string(dataset.unknown.size()) + (dataset.unknown.size() == 1 ? " line" : " lines") + " of " +
-                       std::to_string(tags.size()) + (tags.size() == 1 ? " unknown tag" : " unknown tags") + " left out: ";
+  std::string report = dataset.name + ": " + std::to_string(dataset.unknown.size()) + (dataset.unknown.size() == 1 ? " line" : " lines") +
+                       " of " + std::to_string(tags.size()) + (tags.size() == 1 ? " unknown tag" : " unknown tags") + " left out: ";
   for (const UnknownTag& tag : tags) {
     if (&tag != &tags.front()) report += ", ";
     report += tag.tag + " (" + std::to_string(tag.count) + ", first in line " + std::to_string(tag.first_line) + ")";

@@ -20,7 +20,8 @@ Dataset parse_text(std::string_view text, const std::string& name, Format format
     }
   });
   Dataset dataset = parser.finish();
-  if (dataset.vertices.empty() && dataset.edges.empty()) fail<BadFile>("cannot read ", name, ": it holds no vertex and no edge of ", holdfast::name(format));
+  if (dataset.vertices.empty() && dataset.edges.empty())
+    fail<BadFile>("cannot read ", name, ": it holds no vertex and no edge of ", holdfast::name(format));
   return dataset;
 }
 

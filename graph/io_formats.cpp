@@ -5,9 +5,12 @@ namespace holdfast::io {
 
 RecordTable records(Format format) {
   switch (format) {
-    case Format::PyFG: return pyfg_records();
-    case Format::G2o: return g2o_records();
-    case Format::Toro: return toro_records();
+    case Format::PyFG:
+      return pyfg_records();
+    case Format::G2o:
+      return g2o_records();
+    case Format::Toro:
+      return toro_records();
   }
   fail<BadOption>("format ", static_cast<int>(format), " does not exist");
 }

@@ -86,7 +86,8 @@ struct EdgeWriter {
   void operator()(const RelativePointEdge<P>& e) const {
     head(P::dim == 2 ? "EDGE_SE2_XY" : "EDGE_SE3_TRACKXYZ", {e.pose, e.landmark});
     if constexpr (P::dim == 3) {
-      if (!e.offset) cannot_hold(kFormat, describe(edge), "EDGE_SE3_TRACKXYZ needs a sensor offset; add the identity to `offsets` and name it");
+      if (!e.offset)
+        cannot_hold(kFormat, describe(edge), "EDGE_SE3_TRACKXYZ needs a sensor offset; add the identity to `offsets` and name it");
       text.word(std::to_string(*e.offset));
     }
     tail(e);

@@ -7,7 +7,6 @@ namespace {
 
 using io::RecordType;
 
-
 struct KeyUse {
   Key key;
   std::optional<std::size_t> type;  ///< none: anything with a position
@@ -67,7 +66,8 @@ void LineParser::parse(std::size_t number, std::string_view text) {
     return;
   }
   if (type->columns != 0 ? line_.size() != type->columns : line_.size() < 2)
-    line_.error("found ", std::to_string(line_.size()), " columns; expected ", type->columns != 0 ? std::to_string(type->columns) : "2 or more", ": ", type->layout);
+    line_.error("found ", std::to_string(line_.size()), " columns; expected ",
+                type->columns != 0 ? std::to_string(type->columns) : "2 or more", ": ", type->layout);
   std::visit([this](auto&& record) { add(std::forward<decltype(record)>(record)); }, type->read(line_));
 }
 
@@ -92,14 +92,15 @@ void LineParser::check_foreign() const {
   const RecordType* foreign = io::find_record(*format, line_.tag());
   const bool ours = io::find_record(dataset_.format, line_.tag()) != nullptr;
   if (ours && foreign->columns != line_.size()) return;
-  line_.error("this is a line of ", name(*format), " (", foreign->layout, "); expected ", name(dataset_.format), ", and one dialect in a file");
+  line_.error("this is a line of ", name(*format), " (", foreign->layout, "); expected ", name(dataset_.format),
+              ", and one dialect in a file");
 }
 
 void LineParser::check_type(Key key, std::size_t type) const {
   const auto it = uses_.find(key);
   if (it != uses_.end() && it->second.type != type)
-    line_.error("uses ", key.str(), " as a ", type_name(type), ", but line ", std::to_string(it->second.line), " as a ", type_name(it->second.type),
-                "; expected one type for each variable");
+    line_.error("uses ", key.str(), " as a ", type_name(type), ", but line ", std::to_string(it->second.line), " as a ",
+                type_name(it->second.type), "; expected one type for each variable");
 }
 
 void LineParser::use(Key key, std::optional<std::size_t> type) {
@@ -114,7 +115,8 @@ void LineParser::use(Key key, std::optional<std::size_t> type) {
 void LineParser::add(Vertex vertex) {
   const auto it = uses_.find(vertex.key);
   if (it != uses_.end() && it->second.is_vertex)
-    line_.error("defines ", vertex.key.str(), " again, after line ", std::to_string(it->second.line), "; expected one vertex line for each variable");
+    line_.error("defines ", vertex.key.str(), " again, after line ", std::to_string(it->second.line),
+                "; expected one vertex line for each variable");
   check_type(vertex.key, vertex.value.index());
   uses_[vertex.key] = {vertex.value.index(), vertex.line, true};
   orphans_.erase(vertex.key);
@@ -135,7 +137,9 @@ void LineParser::add(const std::vector<Fixed>& fixed) { dataset_.fixed.insert(da
 
 void LineParser::add(SensorOffset offset) {
   for (const SensorOffset& known : dataset_.offsets)
-    if (known.id == offset.id) line_.error("defines sensor offset ", std::to_string(offset.id), " again, after line ", std::to_string(known.line), "; expected one line");
+    if (known.id == offset.id)
+      line_.error("defines sensor offset ", std::to_string(offset.id), " again, after line ", std::to_string(known.line),
+                  "; expected one line");
   dataset_.offsets.push_back(offset);
 }
 
@@ -143,7 +147,8 @@ void LineParser::check_offset(std::uint64_t id) const {
   for (const SensorOffset& offset : dataset_.offsets) {
     if (offset.id != id) continue;
     if (Pose3().local(offset.T_body_sensor).isZero(0)) return;
-    line_.error("sensor offset ", std::to_string(id), " (line ", std::to_string(offset.line), ") is not the identity; expected a sensor at the body, move the measurement there");
+    line_.error("sensor offset ", std::to_string(id), " (line ", std::to_string(offset.line),
+                ") is not the identity; expected a sensor at the body, move the measurement there");
   }
   line_.error("names sensor offset ", std::to_string(id), ", which no PARAMS_SE3OFFSET line above defines");
 }

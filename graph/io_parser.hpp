@@ -22,7 +22,8 @@ class LineParser {
   ///  - has too few or too many columns, something that is no finite number, a quaternion not of norm 1 (within 1e-3; normalised),
   ///    a matrix or variance that is not positive definite, a negative distance, an id that is no integer >= 0;
   ///  - is of another dialect (a tag of TORO in a g2o file, names of PyFG in a g2o file, …);
-  ///  - defines a vertex again, goes from a key to itself, or uses a key as another type than an earlier line did (pose or point, 2D or 3D);
+  ///  - defines a vertex again, goes from a key to itself, or uses a key as another type than an earlier line did (pose or point, 2D or
+  ///  3D);
   ///  - names a sensor offset that is not defined above it or is not the identity (g2o).
   void parse(std::string_view text);
   /// The same with a line number of the caller's.

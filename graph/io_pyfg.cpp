@@ -135,7 +135,8 @@ RecordTable pyfg_records() { return {std::begin(kRecords), std::end(kRecords)}; 
 
 std::string to_pyfg(const Dataset& dataset) {
   Text text;
-  if (!dataset.fixed.empty()) cannot_hold(kFormat, "the fixed variable " + dataset.fixed.front().key.str(), "it has no FIX line; clear `fixed`, or add a prior");
+  if (!dataset.fixed.empty())
+    cannot_hold(kFormat, "the fixed variable " + dataset.fixed.front().key.str(), "it has no FIX line; clear `fixed`, or add a prior");
   for (const Vertex& vertex : dataset.vertices) write(text, vertex);
   for (const Edge& edge : dataset.edges) std::visit(EdgeWriter{text, edge}, edge.measurement);
   write_unknown(text, dataset, kFormat);

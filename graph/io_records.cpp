@@ -107,9 +107,10 @@ MatrixNoise<N> read_noise(Line& line, Format format) {
   for (const Entry& entry : entries<N>(format))
     noise.written(entry.row, entry.column) = noise.written(entry.column, entry.row) = line.next_number(what);
   if (noise.written.llt().info() != Eigen::Success) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(noise.written, Eigen::EigenvaluesOnly);  // DontAlign breaks the fixed-size one
-    line.error(noise.is_covariance() ? "the covariance" : "the information", " matrix is not positive definite: its smallest eigenvalue is ",
-               to_text(spectrum.eigenvalues()[0]), "; expected all > 0");
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(noise.written,
+                                                                  Eigen::EigenvaluesOnly);  // DontAlign breaks the fixed-size one
+    line.error(noise.is_covariance() ? "the covariance" : "the information",
+               " matrix is not positive definite: its smallest eigenvalue is ", to_text(spectrum.eigenvalues()[0]), "; expected all > 0");
   }
   return noise;
 }
@@ -139,20 +140,24 @@ template void write_noise<3>(Text&, const MatrixNoise<3>&);
 template void write_noise<6>(Text&, const MatrixNoise<6>&);
 
 void write_id(Text& text, Key key, Format format, const std::string& record) {
-  if (key.agent() != 'x') cannot_hold(format, record, "its ids are integers, and only the keys x0, x1, … become integers; rename " + key.str());
+  if (key.agent() != 'x')
+    cannot_hold(format, record, "its ids are integers, and only the keys x0, x1, … become integers; rename " + key.str());
   text.word(std::to_string(key.index()));
 }
 
 void write_unknown(Text& text, const Dataset& dataset, Format format) {
   for (const UnknownLine& unknown : dataset.unknown) {
     if (dataset.format != format)
-      cannot_hold(format, "line " + std::to_string(unknown.line) + " '" + excerpt(unknown.text) + "' of " + dataset.name, "its tag is unknown; clear `unknown` to leave it out");
+      cannot_hold(format, "line " + std::to_string(unknown.line) + " '" + excerpt(unknown.text) + "' of " + dataset.name,
+                  "its tag is unknown; clear `unknown` to leave it out");
     text.word(unknown.text);
     text.end_line();
   }
 }
 
-void cannot_hold(Format format, const std::string& record, const std::string& why) { fail<BadFile>("a ", name(format), " file cannot hold ", record, ": ", why); }
+void cannot_hold(Format format, const std::string& record, const std::string& why) {
+  fail<BadFile>("a ", name(format), " file cannot hold ", record, ": ", why);
+}
 
 std::string describe(const Vertex& vertex) {
   const char* type = std::visit([](const auto& value) { return std::decay_t<decltype(value)>::name(); }, vertex.value);

@@ -12,7 +12,7 @@
 namespace holdfast::io {
 namespace {
 
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\v' || c == '\f'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
@@ -87,7 +87,8 @@ double Line::next_number(const char* what) {
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);  // from_chars knows no plus
   double value = 0;
   const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (problem == std::errc::result_out_of_range) error("column ", std::to_string(cursor_ + 1), " '", excerpt(text), "' is outside the range of a double; expected ", what);
+  if (problem == std::errc::result_out_of_range)
+    error("column ", std::to_string(cursor_ + 1), " '", excerpt(text), "' is outside the range of a double; expected ", what);
   if (problem != std::errc{} || end != digits.data() + digits.size())
     error("column ", std::to_string(cursor_ + 1), " '", excerpt(text), "' is not a number; expected ", what);
   if (!std::isfinite(value)) error("column ", std::to_string(cursor_ + 1), " '", excerpt(text), "' is not finite; expected ", what);
@@ -97,7 +98,8 @@ double Line::next_number(const char* what) {
 
 Key Line::next_name() {
   const std::string_view text = column(cursor_);
-  if (!is_name(text)) error("column ", std::to_string(cursor_ + 1), " '", excerpt(text), "' is not a name; expected a letter and an index, such as A11");
+  if (!is_name(text))
+    error("column ", std::to_string(cursor_ + 1), " '", excerpt(text), "' is not a name; expected a letter and an index, such as A11");
   ++cursor_;
   try {
     return Key::parse(text);
@@ -134,7 +136,9 @@ Text& Text::word(std::string_view text) {
 }
 
 Text& Text::number(double value) {
-  if (!std::isfinite(value)) fail<BadFile>("cannot write '", excerpt(std::string_view(text_).substr(line_start_)), " ", to_text(value), "': the number is not finite");
+  if (!std::isfinite(value))
+    fail<BadFile>("cannot write '", excerpt(std::string_view(text_).substr(line_start_)), " ", to_text(value),
+                  "': the number is not finite");
   char buffer[32];
   return word({buffer, static_cast<std::size_t>(std::to_chars(buffer, buffer + sizeof buffer, value).ptr - buffer)});
 }

@@ -47,10 +47,10 @@ class Line {
   const std::string& file() const { return file_; }
 
   bool at_end() const { return cursor_ == columns_.size(); }
-  double next_number(const char* what);          ///< finite
-  Key next_name();                               ///< A11
-  Key next_id();                                 ///< 11 → x11
-  std::uint64_t next_index(const char* what);    ///< an integer >= 0 below 2^56
+  double next_number(const char* what);        ///< finite
+  Key next_name();                             ///< A11
+  Key next_id();                               ///< 11 → x11
+  std::uint64_t next_index(const char* what);  ///< an integer >= 0 below 2^56
 
   template <class... Parts>
   [[noreturn]] void error(const Parts&... parts) const {

@@ -68,7 +68,8 @@ RecordTable toro_records() { return {std::begin(kRecords), std::end(kRecords)}; 
 
 std::string to_toro(const Dataset& dataset) {
   Text text;
-  if (!dataset.fixed.empty()) cannot_hold(kFormat, "the fixed variable " + dataset.fixed.front().key.str(), "it has no FIX line; clear `fixed`");
+  if (!dataset.fixed.empty())
+    cannot_hold(kFormat, "the fixed variable " + dataset.fixed.front().key.str(), "it has no FIX line; clear `fixed`");
   if (!dataset.offsets.empty()) cannot_hold(kFormat, "a sensor offset", "it has no PARAMS lines; clear `offsets`");
   for (const Vertex& vertex : dataset.vertices) write(text, vertex);
   for (const Edge& edge : dataset.edges) {

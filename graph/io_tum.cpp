@@ -36,7 +36,8 @@ std::vector<StampedValue> stamped(std::vector<Posed> poses, const std::unordered
   const auto has_time = [&](const Posed& pose) { return times.count(pose.key) != 0; };
   const bool any = std::any_of(poses.begin(), poses.end(), has_time);
   const auto missing = std::find_if_not(poses.begin(), poses.end(), has_time);
-  if (any && missing != poses.end()) fail<BadFile>("cannot write a TUM file: ", missing->key.str(), " has no time stamp, others of its agent have; give all or none");
+  if (any && missing != poses.end())
+    fail<BadFile>("cannot write a TUM file: ", missing->key.str(), " has no time stamp, others of its agent have; give all or none");
   std::vector<StampedValue> trajectory;
   for (const Posed& pose : poses) trajectory.push_back({any ? times.at(pose.key) : static_cast<double>(pose.key.index()), pose.value});
   std::stable_sort(trajectory.begin(), trajectory.end(), [](const StampedValue& a, const StampedValue& b) { return a.time < b.time; });
@@ -70,7 +71,8 @@ std::unordered_map<Key, double> vertex_times(const Dataset& dataset) {
   return times;
 }
 
-std::vector<std::string> write_tum_directory(const std::string& directory, const Values& values, const std::unordered_map<Key, double>& times) {
+std::vector<std::string> write_tum_directory(const std::string& directory, const Values& values,
+                                             const std::unordered_map<Key, double>& times) {
   std::map<char, std::vector<Posed>> agents;
   collect<Pose2>(values, agents);
   collect<Pose3>(values, agents);

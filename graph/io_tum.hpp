@@ -26,6 +26,7 @@ std::unordered_map<Key, double> vertex_times(const Dataset& dataset);
 /// made where it is missing. An agent none of whose poses has a time stamp is written with its INDICES as times; one with stamps
 /// for some poses only is a BadFile naming the first pose without. Agents whose letter is neither letter nor digit go to
 /// agent_<code>.tum. Returns the paths written, by agent.
-std::vector<std::string> write_tum_directory(const std::string& directory, const Values& values, const std::unordered_map<Key, double>& times);
+std::vector<std::string> write_tum_directory(const std::string& directory, const Values& values,
+                                             const std::unordered_map<Key, double>& times);
 
 }  // namespace holdfast

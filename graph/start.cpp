@@ -134,7 +134,8 @@ void require_every_key(const Dataset& dataset, const Values& values) {
   for (const Edge& edge : dataset.edges)
     for (Key key : keys_of(edge.measurement))
       if (!values.contains(key))
-        fail<BadKey>(dataset.name, ": ", key.str(), " has no vertex, and ", describe(edge), " does not say where it is; give it a vertex line");
+        fail<BadKey>(dataset.name, ": ", key.str(), " has no vertex, and ", describe(edge),
+                     " does not say where it is; give it a vertex line");
 }
 
 template <class Begin>

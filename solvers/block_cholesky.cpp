@@ -1,78 +1,247 @@
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <atomic>
 #include <holdfast/solvers/block_cholesky.hpp>
-#include <numeric>
+#include <holdfast/solvers/dense_kernels.hpp>
+#include <map>
 
 namespace holdfast {
+namespace {
 
-using Sparse = Eigen::SparseMatrix<double>;
+constexpr int kSlack = 16;          // doubles behind each matrix: the kernels read past the last column by up to one vector
+constexpr int kTasks = 16;          // subtrees of at most this part of the work are tasks of their own
+constexpr int kColumnsPerTask = 64; // of a large update that several threads share
+constexpr double kParallelFront = 2e6;  // multiply–adds from which an update is shared
 
-std::vector<int> elimination_order(const Graph& graph, const Resolved& resolved) {
-  std::vector<int> free;
-  for (std::size_t v = 0; v < resolved.variables().size(); ++v)
-    if (resolved.variables()[v].offset >= 0) free.push_back(static_cast<int>(v));
-  const NormalEquations natural(graph, resolved, free);
-  const BlockPattern& pattern = natural.pattern();
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int column = 0; column < pattern.size(); ++column)
-    for (int k = pattern.column_begin[column]; k < pattern.column_begin[column + 1]; ++k) {
-      entries.emplace_back(pattern.rows[k], column, 1.0);
-      entries.emplace_back(column, pattern.rows[k], 1.0);
+// First-fit memory planning: where each update lives while it lives.
+class ArenaPlanner {
+ public:
+  explicit ArenaPlanner(std::size_t begin) : end_(begin) {}
+  std::size_t take(std::size_t size) {
+    for (auto it = free_.begin(); it != free_.end(); ++it) {
+      if (it->second < size) continue;
+      const std::size_t at = it->first, rest = it->second - size;
+      free_.erase(it);
+      if (rest > 0) free_[at + size] = rest;
+      return at;
     }
-  Sparse adjacency(pattern.size(), pattern.size());
-  adjacency.setFromTriplets(entries.begin(), entries.end());
-  Eigen::AMDOrdering<int>::PermutationType permutation;
-  Eigen::AMDOrdering<int>()(adjacency, permutation);
-  std::vector<int> order(free.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = free[permutation.indices()[static_cast<Eigen::Index>(i)]];
-  return order;
-}
+    const std::size_t at = end_;
+    end_ += size;
+    return at;
+  }
+  void give(std::size_t at, std::size_t size) {
+    auto next = free_.upper_bound(at);
+    if (next != free_.end() && next->first == at + size) {
+      size += next->second;
+      next = free_.erase(next);
+    }
+    if (next != free_.begin() && std::prev(next)->first + std::prev(next)->second == at)
+      std::prev(next)->second += size;
+    else
+      free_[at] = size;
+  }
+  std::size_t end() const { return end_; }
 
-struct BlockCholesky::Impl {
-  const BlockPattern* pattern;
-  Sparse matrix;
-  std::vector<Eigen::Index> place;     // of each lower scalar entry of H, in H's own order (−1: above the diagonal)
-  std::vector<Eigen::Index> diagonal;  // in matrix
-  Eigen::SimplicialLLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> cholesky;
+ private:
+  std::map<std::size_t, std::size_t> free_;
+  std::size_t end_;
 };
 
-BlockCholesky::BlockCholesky(const BlockPattern& pattern) : impl_(std::make_unique<Impl>()) {
-  impl_->pattern = &pattern;
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto for_each_entry = [&](const auto& visit) {
-    for (int column = 0; column < pattern.size(); ++column)
-      for (int k = pattern.column_begin[column]; k < pattern.column_begin[column + 1]; ++k) {
-        const int row = pattern.rows[k];
-        for (int c = 0; c < pattern.dims[column]; ++c)
-          for (int r = 0; r < pattern.dims[row]; ++r) visit(pattern.offsets[row] + r, pattern.offsets[column] + c);
+}  // namespace
+
+BlockCholesky::BlockCholesky(Symbolic symbolic, const BlockPattern& pattern) : symbolic_(std::move(symbolic)), pattern_(pattern) {
+  make_fronts(pattern_);
+  make_tasks();
+  plan_arena();
+  int largest = 0;
+  for (const Front& front : fronts_) largest = std::max(largest, front.n);
+  work_.resize(largest + kSlack);
+}
+
+void BlockCholesky::make_fronts(const BlockPattern& pattern) {
+  std::size_t panels = 0;
+  fronts_.resize(symbolic_.supernodes.size());
+  std::vector<int> local(pattern.size());  // scalar row of each block in the front at hand
+  for (std::size_t s = 0; s < fronts_.size(); ++s) {
+    const Symbolic::Supernode& supernode = symbolic_.supernodes[s];
+    Front& front = fronts_[s];
+    front.k = supernode.k;
+    front.n = supernode.n;
+    front.m = front.n - front.k;
+    front.ld = dense::leading_dimension(front.n);
+    front.update_ld = dense::leading_dimension(front.m);
+    front.panel = panels;
+    panels += static_cast<std::size_t>(front.ld) * front.k + kSlack;
+    front.first_scalar = pattern.offsets[supernode.first];
+    front.parent = supernode.parent;
+    if (front.parent >= 0) fronts_[front.parent].children.push_back(static_cast<int>(s));
+
+    int row = 0;
+    for (int block = supernode.first; block < supernode.last; row += pattern.dims[block++]) local[block] = row;
+    for (int block : supernode.rows) {
+      local[block] = row;
+      row += pattern.dims[block];
+      auto& runs = front.row_runs;
+      if (!runs.empty() && runs.back().first + runs.back().second == pattern.offsets[block])
+        runs.back().second += pattern.dims[block];
+      else
+        runs.emplace_back(pattern.offsets[block], pattern.dims[block]);
+    }
+    front.first_block = pattern.column_begin[supernode.first];
+    for (int column = supernode.first; column < supernode.last; ++column)
+      for (int b = pattern.column_begin[column]; b < pattern.column_begin[column + 1]; ++b)
+        front.block_places.push_back(local[pattern.rows[b]] + local[column] * front.ld);
+    for (int c : front.children) {
+      int from = 0;
+      std::vector<Run>& runs = fronts_[c].runs;
+      for (int block : symbolic_.supernodes[c].rows) {
+        const int length = pattern.dims[block];
+        if (!runs.empty() && runs.back().to + runs.back().length == local[block])
+          runs.back().length += length;
+        else
+          runs.push_back({from, local[block], length});
+        from += length;
       }
+    }
+  }
+  panels_.resize(panels);
+}
+
+// A subtree whose work is small enough becomes one task; what is above runs after all of them, front by front.
+void BlockCholesky::make_tasks() {
+  std::vector<double> work(fronts_.size());
+  for (std::size_t s = 0; s < fronts_.size(); ++s) {
+    work[s] += front_flops(fronts_[s].k, fronts_[s].n) + 1000;
+    if (fronts_[s].parent >= 0) work[fronts_[s].parent] += work[s];
+  }
+  double total = 0;
+  for (std::size_t s = 0; s < fronts_.size(); ++s)
+    if (fronts_[s].parent < 0) total += work[s];
+  std::vector<int> task(fronts_.size(), -1);
+  for (std::size_t s = fronts_.size(); s-- > 0;) {  // parents before children
+    const int parent = fronts_[s].parent;
+    if (parent >= 0 && task[parent] >= 0)
+      task[s] = task[parent];
+    else if (work[s] <= total / kTasks) {
+      task[s] = static_cast<int>(tasks_.size());
+      tasks_.emplace_back();
+    }
+  }
+  for (std::size_t s = 0; s < fronts_.size(); ++s) (task[s] >= 0 ? tasks_[task[s]] : top_).push_back(static_cast<int>(s));
+}
+
+void BlockCholesky::plan_arena() {
+  std::size_t begin = 0;
+  const auto size = [&](const Front& front) { return static_cast<std::size_t>(front.update_ld) * front.m + kSlack; };
+  const auto plan = [&](const std::vector<int>& fronts, bool top) {
+    ArenaPlanner planner(begin);
+    for (int s : fronts) {
+      fronts_[s].update = planner.take(size(fronts_[s]));
+      for (int c : fronts_[s].children)
+        if (!top || std::binary_search(top_.begin(), top_.end(), c)) planner.give(fronts_[c].update, size(fronts_[c]));
+    }
+    begin = planner.end();
   };
-  for_each_entry([&](int row, int column) {
-    if (row >= column) entries.emplace_back(row, column, 1.0);
+  for (const std::vector<int>& fronts : tasks_) plan(fronts, false);
+  plan(top_, true);
+  arena_.resize(begin + kSlack);
+}
+
+void BlockCholesky::extend_add(const Front& child, Front& front) {
+  const double* from = &arena_[child.update];
+  double* panel = &panels_[front.panel];
+  double* update = &arena_[front.update];
+  for (std::size_t b = 0; b < child.runs.size(); ++b) {
+    const Run& columns = child.runs[b];
+    for (int c = 0; c < columns.length; ++c) {
+      const double* source = from + static_cast<std::size_t>(columns.from + c) * child.update_ld;
+      const int column = columns.to + c;
+      double* to = column < front.k ? panel + static_cast<std::size_t>(column) * front.ld
+                                    : update + static_cast<std::size_t>(column - front.k) * front.update_ld - front.k;
+      for (int r = c; r < columns.length; ++r) to[columns.to + r] += source[columns.from + r];
+      for (std::size_t a = b + 1; a < child.runs.size(); ++a) {
+        const Run& rows = child.runs[a];
+        for (int r = 0; r < rows.length; ++r) to[rows.to + r] += source[rows.from + r];
+      }
+    }
+  }
+}
+
+void BlockCholesky::assemble(Front& front, const double* H, const double* damping) {
+  double* panel = &panels_[front.panel];
+  std::fill_n(panel, static_cast<std::size_t>(front.ld) * front.k, 0.0);
+  std::fill_n(&arena_[front.update], static_cast<std::size_t>(front.update_ld) * front.m, 0.0);
+  int b = front.first_block;
+  for (int place : front.block_places) {
+    const double* block = H + pattern_.block_begin[b];
+    const int rows = pattern_.dims[pattern_.rows[b]], size = pattern_.block_begin[b + 1] - pattern_.block_begin[b];
+    for (double* to = panel + place; block < H + pattern_.block_begin[b] + size; to += front.ld, block += rows) std::copy_n(block, rows, to);
+    ++b;
+  }
+  if (damping != nullptr)
+    for (int i = 0; i < front.k; ++i) panel[i + static_cast<std::size_t>(i) * front.ld] += damping[front.first_scalar + i];
+  for (int c : front.children) extend_add(fronts_[c], front);
+}
+
+bool BlockCholesky::eliminate(Front& front, const double* H, const double* damping, ThreadPool* pool) {
+  assemble(front, H, damping);
+  double* panel = &panels_[front.panel];
+  if (!dense::factor_panel(front.n, front.k, panel, front.ld)) return false;
+  if (front.m == 0) return true;
+  double* update = &arena_[front.update];
+  const bool shared = pool != nullptr && static_cast<double>(front.m) * front.m * front.k > kParallelFront;
+  const int parts = shared ? (front.m + kColumnsPerTask - 1) / kColumnsPerTask : 1;
+  const int columns = shared ? kColumnsPerTask : front.m;
+  parallel_for(shared ? pool : nullptr, parts, [&](int part) {
+    dense::subtract_outer_columns(front.m, front.k, panel + front.k, front.ld, update, front.update_ld, part * columns, std::min(front.m, (part + 1) * columns));
   });
-  impl_->matrix.resize(pattern.scalar_size(), pattern.scalar_size());
-  impl_->matrix.setFromTriplets(entries.begin(), entries.end());
-  for_each_entry([&](int row, int column) { impl_->place.push_back(row >= column ? &impl_->matrix.coeffRef(row, column) - impl_->matrix.valuePtr() : -1); });
-  for (int i = 0; i < pattern.scalar_size(); ++i) impl_->diagonal.push_back(&impl_->matrix.coeffRef(i, i) - impl_->matrix.valuePtr());
-  impl_->cholesky.analyzePattern(impl_->matrix);
+  return true;
 }
 
-BlockCholesky::~BlockCholesky() = default;
-BlockCholesky::BlockCholesky(BlockCholesky&&) noexcept = default;
-BlockCholesky& BlockCholesky::operator=(BlockCholesky&&) noexcept = default;
-
-bool BlockCholesky::factor(const std::vector<double>& H, const std::vector<double>& damping) {
-  double* values = impl_->matrix.valuePtr();
-  for (std::size_t k = 0; k < H.size(); ++k)
-    if (impl_->place[k] >= 0) values[impl_->place[k]] = H[k];
-  for (std::size_t i = 0; i < damping.size(); ++i) values[impl_->diagonal[i]] += damping[i];
-  impl_->cholesky.factorize(impl_->matrix);
-  return impl_->cholesky.info() == Eigen::Success;
+bool BlockCholesky::factor(const std::vector<double>& H, const std::vector<double>& damping, ThreadPool* pool) {
+  const double* D = damping.empty() ? nullptr : damping.data();
+  std::atomic<bool> positive{true};
+  parallel_for(pool, static_cast<int>(tasks_.size()), [&](int t) {
+    for (int s : tasks_[t])
+      if (!positive || !eliminate(fronts_[s], H.data(), D, nullptr)) {
+        positive = false;
+        return;
+      }
+  });
+  for (int s : top_)
+    if (!positive || !eliminate(fronts_[s], H.data(), D, pool)) return false;
+  return positive;
 }
 
-void BlockCholesky::solve(const std::vector<double>& b, std::vector<double>& x) const {
-  const auto n = static_cast<Eigen::Index>(b.size());
-  Eigen::Map<Eigen::VectorXd>(x.data(), n) = impl_->cholesky.solve(Eigen::Map<const Eigen::VectorXd>(b.data(), n));
+void BlockCholesky::solve(const std::vector<double>& b, std::vector<double>& x) {
+  x = b;
+  for (const Front& front : fronts_) {  // L y = b
+    const double* column = &panels_[front.panel];
+    double* own = &x[front.first_scalar];
+    double* below = work_.data();
+    std::fill_n(below, front.m, 0.0);
+    for (int j = 0; j < front.k; ++j, column += front.ld) {
+      const double y = own[j] / column[j];
+      own[j] = y;
+      for (int i = j + 1; i < front.k; ++i) own[i] -= column[i] * y;
+      for (int i = 0; i < front.m; ++i) below[i] += column[front.k + i] * y;
+    }
+    for (const auto& [first, length] : front.row_runs)
+      for (int i = 0; i < length; ++i) x[first + i] -= *below++;
+  }
+  for (std::size_t s = fronts_.size(); s-- > 0;) {  // Lᵀ x = y
+    const Front& front = fronts_[s];
+    double* own = &x[front.first_scalar];
+    double* below = work_.data();
+    for (const auto& [first, length] : front.row_runs) below = std::copy_n(&x[first], length, below);
+    below = work_.data();
+    for (int j = front.k; j-- > 0;) {
+      const double* column = &panels_[front.panel] + static_cast<std::size_t>(j) * front.ld;
+      double sum = own[j];
+      for (int i = j + 1; i < front.k; ++i) sum -= column[i] * own[i];
+      for (int i = 0; i < front.m; ++i) sum -= column[front.k + i] * below[i];
+      own[j] = sum / column[j];
+    }
+  }
 }
 
 }  // namespace holdfast

@@ -18,6 +18,8 @@ constexpr double kRounding = 1e-14;      // of the cost: a predicted decrease be
 // Everything that depends on the structure only, and the memory of one iteration.
 struct Irls::Workspace {
   Resolved resolved;
+  std::vector<int> variable;  // of each node of the block graph
+  Symbolic symbolic;
   NormalEquations normal;
   BlockCholesky cholesky;
   ThreadPool pool;
@@ -26,12 +28,19 @@ struct Irls::Workspace {
 
   Workspace(const Graph& graph, const Values& values, int threads)
       : resolved(graph, values),
-        normal(graph, resolved, elimination_order(graph, resolved)),
-        cholesky(normal.pattern()),
+        symbolic(analyze(block_graph(graph, resolved, variable))),
+        normal(graph, resolved, variables_in_order()),
+        cholesky(std::move(symbolic), normal.pattern()),
         pool(threads),
         candidate(values) {
     const std::size_t n = resolved.tangent_dim();
     for (std::vector<double>* v : {&damping, &diagonal, &rhs, &step, &tangent}) v->resize(n);
+  }
+
+  std::vector<int> variables_in_order() const {
+    std::vector<int> order;
+    for (int node : symbolic.order) order.push_back(variable[node]);
+    return order;
   }
 
   void read_diagonal() {
@@ -46,7 +55,7 @@ struct Irls::Workspace {
   double solve_damped(double lambda) {
     constexpr double kLeastDiagonal = 1e-12;  // an unconstrained direction must feel the damping, too
     for (std::size_t i = 0; i < damping.size(); ++i) damping[i] = lambda * std::max(diagonal[i], kLeastDiagonal);
-    if (!cholesky.factor(normal.H(), damping)) return NAN;
+    if (!cholesky.factor(normal.H(), damping, &pool)) return NAN;
     const std::vector<double>& g = normal.gradient();
     for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] = -g[i];
     cholesky.solve(rhs, step);

@@ -15,8 +15,9 @@ double distance(const Pose2& a, const Pose2& b) { return a.local(b).norm(); }
 TEST(Odometry, IsTheStepToTheNextPoseOfTheAgent) {
   const Dataset data = parsed(
       "VERTEX_SE2 0 A0 0 0 0\nVERTEX_SE2 0 A1 0 0 0\nVERTEX_SE2 0 A5 0 0 0\nVERTEX_SE2 0 B0 0 0 0\nVERTEX_XY L0 0 0\n"
-      "EDGE_SE2 0 A0 A1 1 0 0" + kI + "EDGE_SE2 0 A1 A5 1 0 0" + kI + "EDGE_SE2 0 A0 A5 1 0 0" + kI + "EDGE_SE2 0 A5 B0 1 0 0" + kI +
-          "EDGE_SE2 0 A1 A0 1 0 0" + kI + "EDGE_RANGE 0 A0 A1 1 1\nEDGE_SE2 0 A0 A1 2 0 0" + kI,
+      "EDGE_SE2 0 A0 A1 1 0 0" +
+          kI + "EDGE_SE2 0 A1 A5 1 0 0" + kI + "EDGE_SE2 0 A0 A5 1 0 0" + kI + "EDGE_SE2 0 A5 B0 1 0 0" + kI + "EDGE_SE2 0 A1 A0 1 0 0" +
+          kI + "EDGE_RANGE 0 A0 A1 1 1\nEDGE_SE2 0 A0 A1 2 0 0" + kI,
       Format::PyFG);
   EXPECT_EQ(odometry_edges(data), (std::vector<bool>{true, true, false, false, false, false, true}));
 }
@@ -31,8 +32,8 @@ TEST(VertexStart, IsTheFile) {
 
 TEST(VertexStart, CompletesFromEdges) {
   // 3 has a vertex; 2 and 4 follow by odometry, 9 over a loop edge backwards; 20, 21 are an island; 30 a landmark.
-  const Dataset data = parsed("VERTEX_SE2 3 10 0 0\nEDGE_SE2 9 3 0 1 0" + kI + "EDGE_SE2 2 3 1 0 0" + kI + "EDGE_SE2 3 4 1 0 0.5" + kI + "EDGE_SE2 3 4 9 9 0.5" + kI +
-                                  "EDGE_SE2 20 21 2 0 0" + kI + "EDGE_SE2_XY 4 30 1 0 1 0 1\n",
+  const Dataset data = parsed("VERTEX_SE2 3 10 0 0\nEDGE_SE2 9 3 0 1 0" + kI + "EDGE_SE2 2 3 1 0 0" + kI + "EDGE_SE2 3 4 1 0 0.5" + kI +
+                                  "EDGE_SE2 3 4 9 9 0.5" + kI + "EDGE_SE2 20 21 2 0 0" + kI + "EDGE_SE2_XY 4 30 1 0 1 0 1\n",
                               Format::G2o);
   const Values values = vertex_start(data);
   constexpr Agent x('x');
@@ -48,9 +49,11 @@ TEST(VertexStart, CompletesFromEdges) {
 TEST(OdometryStart, ChainsBridgesAndStartsAgain) {
   // A: 0→1 odometry (its vertex at 1 is wrong on purpose), 1→2 missing but B0→A2 leads there, 2→3 odometry; 3→4 missing: vertex.
   const Dataset data = parsed(
-      "VERTEX_SE2 0 A0 1 1 0\nVERTEX_SE2 0 A1 50 50 0\nVERTEX_SE2 0 A2 50 50 0\nVERTEX_SE2 0 A3 50 50 0\nVERTEX_SE2 0 A4 7 7 0\nVERTEX_SE2 0 A5 50 50 0\n"
-      "VERTEX_SE2 0 B0 0 5 0\nEDGE_SE2 0 A0 A1 1 0 0" + kI + "EDGE_SE2 0 A2 A3 1 0 0" + kI + "EDGE_SE2 0 B0 A2 0 1 0" + kI + "EDGE_SE2 0 A0 A3 9 9 0" + kI +
-          "EDGE_SE2 0 A4 A5 0 2 0" + kI,
+      "VERTEX_SE2 0 A0 1 1 0\nVERTEX_SE2 0 A1 50 50 0\nVERTEX_SE2 0 A2 50 50 0\nVERTEX_SE2 0 A3 50 50 0\nVERTEX_SE2 0 A4 7 7 0\nVERTEX_SE2 "
+      "0 A5 50 50 0\n"
+      "VERTEX_SE2 0 B0 0 5 0\nEDGE_SE2 0 A0 A1 1 0 0" +
+          kI + "EDGE_SE2 0 A2 A3 1 0 0" + kI + "EDGE_SE2 0 B0 A2 0 1 0" + kI + "EDGE_SE2 0 A0 A3 9 9 0" + kI + "EDGE_SE2 0 A4 A5 0 2 0" +
+          kI,
       Format::PyFG);
   const Values values = odometry_start(data, 1);
   constexpr Agent A('A'), B('B');

@@ -51,9 +51,15 @@ TEST_P(DataFile, RoundTripKeepsEveryBit) {
   const TemporaryDirectory directory;
   const std::string path = directory / "again";
   switch (data.format) {
-    case Format::PyFG: write_pyfg(path, data); break;
-    case Format::G2o: write_g2o(path, data); break;
-    case Format::Toro: write_toro(path, data); break;
+    case Format::PyFG:
+      write_pyfg(path, data);
+      break;
+    case Format::G2o:
+      write_g2o(path, data);
+      break;
+    case Format::Toro:
+      write_toro(path, data);
+      break;
   }
   const Dataset again = read(path);
   expect_same(data, again);
@@ -79,7 +85,8 @@ INSTANTIATE_TEST_SUITE_P(All, DataFile,
 
 TEST(Speed, HundredThousandEdges) {
   std::string text;
-  const std::string tail = " 0.1 0.25 -0.125 0 0 0.6 0.8 10.5 0 0 0 0 0 10.25 0 0 0 0 10.125 0 0 0 400.021 0.00193512 2.06612 399.993 0.496977 99.203\n";
+  const std::string tail =
+      " 0.1 0.25 -0.125 0 0 0.6 0.8 10.5 0 0 0 0 0 10.25 0 0 0 0 10.125 0 0 0 400.021 0.00193512 2.06612 399.993 0.496977 99.203\n";
   for (int i = 0; i < 100000; ++i) text += "EDGE_SE3:QUAT " + std::to_string(i) + " " + std::to_string(i + 1) + tail;
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(parsed(text, Format::G2o).edges.size(), 100000u);

@@ -18,23 +18,32 @@ const std::string kPyfg =
     "VERTEX_XY L6 0.969290620 1.659664530\nVERTEX_XYZ M1 1 2 3\n"
     "EDGE_SE2 1.5 A0 A1 0.017 0.0005 0.0816 0.0004 -0.0 0.00001 0.0004 0 0.0001\n"
     "EDGE_RANGE 1.25 A1 L6 1.330844876 0.007306188\n"
-    "EDGE_SE3:QUAT 2 B7 B8 0.1 0.2 0.3 0 0 0 1 " + kCovariance6 + "\n"
+    "EDGE_SE3:QUAT 2 B7 B8 0.1 0.2 0.3 0 0 0 1 " +
+    kCovariance6 +
+    "\n"
     "EDGE_SE2_XY 1.6 A0 L6 3.257094618 0.653466639 0.25 0.01 0.3\n"
     "EDGE_SE3_XYZ 1.6 B7 M1 3 2 1 0.25 0.01 0 0.3 0 0.2\n"
     "VERTEX_SE2:PRIOR 0 A0 1 2 3 1 0 0 1 0 1\n"
-    "VERTEX_SE3:QUAT:PRIOR 0 B7 1 2 3 0 0 0 1 " + kCovariance6 + "\n"
+    "VERTEX_SE3:QUAT:PRIOR 0 B7 1 2 3 0 0 0 1 " +
+    kCovariance6 +
+    "\n"
     "VERTEX_XY:PRIOR 0 L6 1 2 1 0 1\nVERTEX_XYZ:PRIOR 0 M1 1 2 3 1 0 0 1 0 1\n";
 const std::string kInformation6 = "10 1 0 0.5 0 0 11 0 0 0.25 0 12 0 0 0 400 1 2 401 3 402";
 const std::string kG2o =
-    "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\nVERTEX_SE2 3 1 2 0.5\nVERTEX_XY 9 1 2\nVERTEX_SE3:QUAT 20 1 2 3 0 0 0.6 0.8\nVERTEX_TRACKXYZ 21 1 2 3\n"
+    "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\nVERTEX_SE2 3 1 2 0.5\nVERTEX_XY 9 1 2\nVERTEX_SE3:QUAT 20 1 2 3 0 0 0.6 0.8\nVERTEX_TRACKXYZ 21 1 2 "
+    "3\n"
     "FIX 3\nFIX 3\n"
     "EDGE_SE2 3 5 1 2 0.5 10 1 2 11 3 12\nEDGE_SE2_XY 5 9 0.1 0.2 10 1 11\n"
-    "EDGE_SE3:QUAT 20 24 1 2 3 0 0 0.6 0.8 " + kInformation6 + "\n"
+    "EDGE_SE3:QUAT 20 24 1 2 3 0 0 0.6 0.8 " +
+    kInformation6 +
+    "\n"
     "EDGE_SE3_TRACKXYZ 20 21 0 1 2 3 10 0 0 11 0 12\nEDGE_PRIOR_SE2 3 1 2 0.5 10 1 2 11 3 12\n"
-    "EDGE_PRIOR_SE3 20 1 2 3 0 0 0 1 " + kInformation6 + "\nEDGE_SE3_PRIOR 20 0 1 2 3 0 0 0 1 " + kInformation6 + "\n";
+    "EDGE_PRIOR_SE3 20 1 2 3 0 0 0 1 " +
+    kInformation6 + "\nEDGE_SE3_PRIOR 20 0 1 2 3 0 0 0 1 " + kInformation6 + "\n";
 const std::string kToro =
     "VERTEX2 0 1 2 0.5\nVERTEX3 10 1 2 3 0.1 -0.2 0.3\nEDGE2 0 1 1 2 0.5 10 1 11 12 2 3\n"
-    "EDGE3 10 11 1 2 3 0.1 -0.2 0.3 " + kInformation6 + "\n";
+    "EDGE3 10 11 1 2 3 0.1 -0.2 0.3 " +
+    kInformation6 + "\n";
 
 TEST(RoundTrip, PyFG) {
   const Dataset data = parsed(kPyfg, Format::PyFG);
@@ -77,10 +86,11 @@ TEST(Reading, ToroOrderAndRollPitchYaw) {
   const Dataset data = parsed(kToro, Format::Toro);
   Matrix<3, 3> expected;
   expected << 10, 1, 2, 1, 11, 3, 2, 3, 12;
-  EXPECT_EQ(std::get<RelativePoseEdge<Pose2>>(data.edges[0].measurement).information(), expected);
+  EXPECT_EQ(std::get<RelativePoseEdge<Pose2>>(data.edges[0].measurement).noise.written, expected);
   const Pose3& pose = std::get<Pose3>(data.vertices[1].value);
   const Eigen::Matrix3d R = (Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(-0.2, Eigen::Vector3d::UnitY()) *
-                             Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX())).toRotationMatrix();
+                             Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()))
+                                .toRotationMatrix();
   EXPECT_LT((pose.rotation() - R).norm(), 1e-15);
   Dataset changed = data;  // columns that no longer mean the value are not written
   changed.vertices[1].value = pose * pose;
@@ -113,30 +123,38 @@ TEST(Reading, UnknownTagsAreReportedAndKept) {
   expect_message<BadFile>([&] { to_toro(data); }, {"a TORO file cannot hold line 1 'FOO 1 2  3' of a.g2o"});
 }
 
-// ½ eᵀ I e of the format's own error, at random small deviations from the measured value, equals that in our tangent.
-TEST(Noise, G2oInformationIsThatOfItsOwnError) {
-  const Dataset data = parsed(kG2o, Format::G2o);
-  const auto& space = std::get<RelativePoseEdge<Pose3>>(data.edges[2].measurement);
-  const auto& plane = std::get<RelativePoseEdge<Pose2>>(data.edges[0].measurement);
+// eᵀ I e of the format's own error, at random deviations from the measured value, equals that of what the factors take.
+TEST(Noise, InformationIsThatOfTheFormatsOwnError) {
+  const Dataset g2o = parsed(kG2o, Format::G2o);
+  const auto& space = std::get<RelativePoseEdge<Pose3>>(g2o.edges[2].measurement);
+  const auto& prior = std::get<PriorEdge<Pose2>>(g2o.edges[4].measurement);
+  const Dataset toro = parsed(kToro, Format::Toro);
+  const auto& first_frame = std::get<RelativePoseEdge<Pose2>>(toro.edges[0].measurement);
+  const auto error2 = [](const Pose2& measured, const Pose2& x) {
+    const Pose2 e = measured.inverse() * x;
+    return Vector<3>(e.p[0], e.p[1], e.angle());
+  };
   std::srand(7);
   for (int i = 0; i < 20; ++i) {
     const Pose3 x = space.measured.retract(1e-5 * Vector<6>::Random());
     const Pose3 error = space.measured.inverse() * x;
-    Vector<6> e;
-    e << error.p, error.q.vec() * (error.q.w() < 0 ? -1 : 1);
-    const Vector<6> delta = space.measured.local(x);
-    EXPECT_NEAR(e.dot(space.noise.written * e) / delta.dot(space.information() * delta), 1, 1e-8);
+    Vector<6> half, full;
+    half << error.p, error.q.vec() * (error.q.w() < 0 ? -1 : 1);
+    full << error.p, so3::log<double>(error.q);
+    EXPECT_NEAR(half.dot(space.noise.written * half) / full.dot(space.information() * full), 1, 1e-8);
 
-    const Pose2 y = plane.measured.retract(Vector<3>::Random());
-    const Pose2 turned = plane.measured.inverse() * y;
-    const Vector<3> e2(turned.p[0], turned.p[1], turned.angle());
-    const Vector<3> delta2 = plane.measured.local(y);
-    EXPECT_NEAR(e2.dot(plane.noise.written * e2) / delta2.dot(plane.information() * delta2), 1, 1e-12);
+    const Pose2 y = prior.measured.retract(Vector<3>::Random());
+    const Vector<3> e = error2(prior.measured, y), delta = prior.measured.local(y);
+    EXPECT_NEAR(e.dot(prior.noise.written * e) / delta.dot(prior.information() * delta), 1, 1e-12);
+
+    const Pose2 z = first_frame.measured.retract(Vector<3>::Random());
+    const Vector<3> e_toro = first_frame.measured.local(z), e_ours = error2(first_frame.measured, z);
+    EXPECT_NEAR(e_toro.dot(first_frame.noise.written * e_toro) / e_ours.dot(first_frame.information() * e_ours), 1, 1e-12);
   }
 }
 
 TEST(Noise, G2oRotationIsHalfAngle) {
-  const Dataset data = parsed("EDGE_SE3:QUAT 0 1 1 2 3 0 0 0 1 " + kInformation6 + "\n", Format::G2o);
+  const Dataset data = parsed("EDGE_SE3:QUAT 0 1 1 2 3 0 0 0.6 0.8 " + kInformation6 + "\n", Format::G2o);
   const auto& edge = std::get<RelativePoseEdge<Pose3>>(data.edges[0].measurement);
   const Matrix<6, 6> I = edge.information();
   EXPECT_EQ((Matrix<3, 3>(I.topLeftCorner<3, 3>())), (Matrix<3, 3>(edge.noise.written.topLeftCorner<3, 3>())));

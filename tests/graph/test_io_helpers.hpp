@@ -32,7 +32,8 @@ bool same(const MatrixNoise<N>& a, const MatrixNoise<N>& b) {
 }
 template <class V>
 bool same(const RelativePoseEdge<V>& a, const RelativePoseEdge<V>& b) {
-  return a.first == b.first && a.second == b.second && same_bits(a.measured, b.measured) && same(a.columns, b.columns) && same(a.noise, b.noise);
+  return a.first == b.first && a.second == b.second && same_bits(a.measured, b.measured) && same(a.columns, b.columns) &&
+         same(a.noise, b.noise);
 }
 template <class P>
 bool same(const RelativePointEdge<P>& a, const RelativePointEdge<P>& b) {
@@ -41,7 +42,8 @@ bool same(const RelativePointEdge<P>& a, const RelativePointEdge<P>& b) {
 }
 template <class V>
 bool same(const PriorEdge<V>& a, const PriorEdge<V>& b) {
-  return a.key == b.key && same_bits(a.measured, b.measured) && same(a.columns, b.columns) && same(a.noise, b.noise) && a.offset == b.offset;
+  return a.key == b.key && same_bits(a.measured, b.measured) && same(a.columns, b.columns) && same(a.noise, b.noise) &&
+         a.offset == b.offset;
 }
 inline bool same(const RangeEdge& a, const RangeEdge& b) {
   return a.first == b.first && a.second == b.second && same_bits(a.distance, b.distance) && same_bits(a.variance, b.variance);
@@ -58,25 +60,32 @@ inline void expect_same(const Dataset& a, const Dataset& b) {
   ASSERT_EQ(a.vertices.size(), b.vertices.size());
   for (std::size_t i = 0; i < a.vertices.size(); ++i) {
     const Vertex &x = a.vertices[i], &y = b.vertices[i];
-    const bool same_value = x.value.index() == y.value.index() && std::visit([&](const auto& v) { return same_bits(v, std::get<std::decay_t<decltype(v)>>(y.value)); }, x.value);
-    ASSERT_TRUE(x.key == y.key && same_value && same(x.columns, y.columns) && same(x.time, y.time)) << "vertex " << i << ", " << x.key.str();
+    const bool same_value = x.value.index() == y.value.index() &&
+                            std::visit([&](const auto& v) { return same_bits(v, std::get<std::decay_t<decltype(v)>>(y.value)); }, x.value);
+    ASSERT_TRUE(x.key == y.key && same_value && same(x.columns, y.columns) && same(x.time, y.time))
+        << "vertex " << i << ", " << x.key.str();
   }
   ASSERT_EQ(a.edges.size(), b.edges.size());
   for (std::size_t i = 0; i < a.edges.size(); ++i)
-    ASSERT_TRUE(same(a.edges[i].measurement, b.edges[i].measurement) && same(a.edges[i].time, b.edges[i].time)) << "edge " << i << ": " << describe(a.edges[i]);
+    ASSERT_TRUE(same(a.edges[i].measurement, b.edges[i].measurement) && same(a.edges[i].time, b.edges[i].time))
+        << "edge " << i << ": " << describe(a.edges[i]);
   ASSERT_EQ(a.fixed.size(), b.fixed.size());
   for (std::size_t i = 0; i < a.fixed.size(); ++i) EXPECT_EQ(a.fixed[i].key, b.fixed[i].key);
   ASSERT_EQ(a.offsets.size(), b.offsets.size());
-  for (std::size_t i = 0; i < a.offsets.size(); ++i) EXPECT_TRUE(a.offsets[i].id == b.offsets[i].id && same(a.offsets[i].columns, b.offsets[i].columns));
+  for (std::size_t i = 0; i < a.offsets.size(); ++i)
+    EXPECT_TRUE(a.offsets[i].id == b.offsets[i].id && same(a.offsets[i].columns, b.offsets[i].columns));
   ASSERT_EQ(a.unknown.size(), b.unknown.size());
   for (std::size_t i = 0; i < a.unknown.size(); ++i) EXPECT_EQ(a.unknown[i].text, b.unknown[i].text);
 }
 
 inline std::string written(const Dataset& dataset) {
   switch (dataset.format) {
-    case Format::PyFG: return to_pyfg(dataset);
-    case Format::G2o: return to_g2o(dataset);
-    case Format::Toro: return to_toro(dataset);
+    case Format::PyFG:
+      return to_pyfg(dataset);
+    case Format::G2o:
+      return to_g2o(dataset);
+    case Format::Toro:
+      return to_toro(dataset);
   }
   return {};
 }
@@ -87,7 +96,8 @@ void expect_message(Action&& action, const std::vector<std::string>& parts) {
   try {
     action();
   } catch (const E& error) {
-    for (const std::string& part : parts) EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << "no '" << part << "' in: " << error.what();
+    for (const std::string& part : parts)
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << "no '" << part << "' in: " << error.what();
     return;
   } catch (const std::exception& error) {
     FAIL() << "another type of exception: " << error.what();
@@ -128,6 +138,6 @@ inline std::string data_directory() {
 
 }  // namespace holdfast::testing_io
 
-#define HOLDFAST_NEED_DATA(path)                                                                                        \
+#define HOLDFAST_NEED_DATA(path)                                                                                                         \
   if (holdfast::testing_io::data_directory().empty() || !std::filesystem::exists(holdfast::testing_io::data_directory() + "/" + (path))) \
   GTEST_SKIP() << "no " << (path) << " in the data directory '" << holdfast::testing_io::data_directory() << "'; set HOLDFAST_DATA to it"

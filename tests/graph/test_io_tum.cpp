@@ -17,7 +17,8 @@ using namespace testing_io;
 
 TEST(Tum, Lines) {
   EXPECT_EQ(to_tum({{1248362857.700000048, Pose3({1, 2, 3}, Pose3::Rotation(0.8, 0, 0, 0.6))}}), "1248362857.7 1 2 3 0 0 0.6 0.8\n");
-  EXPECT_EQ(to_tum({{0.5, Point2(1, -2.5)}, {1, Point3(1, 2, 3)}, {2, Pose2(4, 5, 0)}}), "0.5 1 -2.5 0 0 0 0 1\n1 1 2 3 0 0 0 1\n2 4 5 0 0 0 0 1\n");
+  EXPECT_EQ(to_tum({{0.5, Point2(1, -2.5)}, {1, Point3(1, 2, 3)}, {2, Pose2(4, 5, 0)}}),
+            "0.5 1 -2.5 0 0 0 0 1\n1 1 2 3 0 0 0 1\n2 4 5 0 0 0 0 1\n");
   std::istringstream line(to_tum({{0, Pose2(0, 0, 2.0)}}));
   std::vector<double> numbers{std::istream_iterator<double>(line), {}};
   ASSERT_EQ(numbers.size(), 8u);

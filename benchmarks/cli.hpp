@@ -1,0 +1,62 @@
+// The program `holdfast`: solve, check, bench. main() only calls run(), so that tests run the same in their own process.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <holdfast/benchmarks/terminal.hpp>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace holdfast::bench {
+
+/// What the program returns to the shell.
+enum Exit : int {
+  kDone = 0,
+  kFailed = 1,  ///< a bad file, a problem without a usable answer, an output that cannot be written
+  kUsage = 2    ///< a command line that makes no sense; nothing was run
+};
+
+/// Never throws, never aborts for bad input: whatever is wrong is a message on `err` and an exit code.
+int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err);
+
+struct SolveArguments {
+  std::vector<std::string> files;
+  std::string backends = "all";
+  std::string loss = "squared";
+  std::string start = "file";
+  int threads = 1;
+  int max_iterations = 0;
+  double tolerance = 1e-6;
+  double time_limit = 0;  ///< [s]; 0: none
+  unsigned seed = 0;
+  std::string json;
+  std::string tum;
+};
+CLI::App* add_solve(CLI::App& app, SolveArguments& arguments);
+int solve(const SolveArguments& arguments, Terminal& terminal);
+
+struct CheckArguments {
+  std::string file;
+};
+CLI::App* add_check(CLI::App& app, CheckArguments& arguments);
+int check_file(const CheckArguments& arguments, Terminal& terminal);
+
+struct BenchArguments {
+  std::vector<std::string> suites;
+  std::string out = "bench-out";
+  std::string backends = "all";
+  int threads = 1;
+  double tolerance = 1e-10;
+  double time_limit = 60;  ///< [s] a solve
+  int repetitions = 3;
+  unsigned seed = 1;
+  bool fresh = false;
+};
+CLI::App* add_bench(CLI::App& app, BenchArguments& arguments);
+int bench(const BenchArguments& arguments, Terminal& terminal);
+
+/// The back-ends of a comma-separated list, each once; "all": ceres, irls, nesterov (those there are), then any other but the variants
+/// of Ceres, which are there to be named. Throws BadOption.
+std::vector<std::string> backends_of(const std::string& list);
+
+}  // namespace holdfast::bench

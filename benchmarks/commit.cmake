@@ -1,0 +1,17 @@
+# cmake -DSOURCE=… -DOUT=… -P commit.cmake: writes the header only where the commit changed, so that nothing is compiled for nothing.
+set(commit "unknown")
+find_package(Git QUIET)
+if(GIT_FOUND)
+  execute_process(COMMAND ${GIT_EXECUTABLE} -C ${SOURCE} describe --always --dirty --abbrev=12 --exclude=*
+    OUTPUT_VARIABLE described OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE result)
+  if(result EQUAL 0 AND described)
+    set(commit "${described}")
+  endif()
+endif()
+set(content "#define HOLDFAST_COMMIT \"${commit}\"\n")
+if(EXISTS ${OUT})
+  file(READ ${OUT} before)
+endif()
+if(NOT content STREQUAL "${before}")
+  file(WRITE ${OUT} "${content}")
+endif()

@@ -1,0 +1,21 @@
+#include <holdfast/benchmarks/log.hpp>
+#ifdef HOLDFAST_WITH_GLOG
+#include <glog/logging.h>
+#endif
+
+namespace holdfast::bench {
+
+#ifdef HOLDFAST_WITH_GLOG
+void start_log(bool verbose) {
+  // No failure signal handler and no FATAL: an error of the user is a message and an exit code, never a core dump.
+  FLAGS_logtostderr = true;
+  FLAGS_minloglevel = verbose ? google::GLOG_INFO : google::GLOG_WARNING;
+  if (!google::IsGoogleLoggingInitialized()) google::InitGoogleLogging("holdfast");
+}
+void log(const std::string& message) { LOG(INFO) << message; }
+#else
+void start_log(bool) {}
+void log(const std::string&) {}
+#endif
+
+}  // namespace holdfast::bench

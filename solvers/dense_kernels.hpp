@@ -1,0 +1,23 @@
+// The dense inner loops of the sparse Cholesky factorisation. Column-major, lower triangles. The processor's vector unit is
+// looked up at run time, so that one build runs everywhere and fast where it can.
+//
+// Rows are worked on four at a time: every column must be readable and writable up to the next multiple of 4 rows (leading
+// dimension a multiple of 4); what stands in the rows beyond the last, and above the diagonal, is undefined afterwards.
+#pragma once
+
+namespace holdfast::dense {
+
+/// Factors the first k columns of the symmetric n × n matrix whose first k columns are in `panel` (leading dimension ld ≥ n):
+/// panel becomes [L11; L21]. False where a pivot is not positive (a NaN is not).
+bool factor_panel(int n, int k, double* panel, int ld);
+
+/// C −= A Aᵀ, lower triangle; A: m × k.
+void subtract_outer(int m, int k, const double* A, int lda, double* C, int ldc);
+
+/// Columns [first, last) of the same; first a multiple of 4.
+void subtract_outer_columns(int m, int k, const double* A, int lda, double* C, int ldc, int first, int last);
+
+/// A leading dimension for n rows: a multiple of 4 that keeps columns apart in the cache.
+int leading_dimension(int n);
+
+}  // namespace holdfast::dense

@@ -1,0 +1,50 @@
+#include <gtest/gtest.h>
+
+#include <holdfast/factors/prior.hpp>
+#include <holdfast/testing.hpp>
+
+namespace holdfast {
+namespace {
+
+using testing::jacobian_error;
+using testing::random_covariance;
+using testing::random_variable;
+
+TEST(Prior, MeasuresInSigmas) {
+  const auto prior = Prior<Motion2>::from_sigmas(Motion2(1, 2, 3, 4), {1, 2, 4, 8});
+  EXPECT_TRUE(prior(Motion2(2, 4, 7, 12)).isApprox(Vector<4>::Ones(), 1e-15));
+}
+
+TEST(Prior, OfAPoseTurnsTheShortWay) {
+  const auto prior = Prior<Pose2>::from_sigmas(Pose2(0, 0, 3.1), {1, 1, 0.1});
+  EXPECT_NEAR(prior(Pose2(0, 0, -3.1))[2], (2 * kPi - 6.2) / 0.1, 1e-12);
+}
+
+TEST(Prior, OfAPoseInSpaceIsTheFullAngle) {
+  const auto prior = Prior<Pose3>::from_sigmas(Pose3(), Vector<6>::Ones());
+  const Pose3 x(Vector<3>(1, 2, 3), so3::exp<double>(Vector<3>(0, 0, kPi / 2)));
+  EXPECT_TRUE(prior(x).isApprox((Vector<6>() << 1, 2, 3, 0, 0, kPi / 2).finished(), 1e-15));
+}
+
+TEST(Prior, JacobianIsExactNearAndFarFromTheMean) {
+  std::mt19937_64 rng(1);
+  for (int i = 0; i < 20; ++i) {
+    const auto mean = random_variable<Pose3>(rng);
+    const auto prior = Prior<Pose3>::from_covariance(mean, random_covariance<6>(rng));
+    EXPECT_LT(jacobian_error(prior, mean), 1e-9);
+    EXPECT_LT(jacobian_error(prior, mean.retract(testing::random_vector<6>(rng, 1e-8))), 1e-9);
+    EXPECT_LT(jacobian_error(prior, mean.retract(testing::random_vector<6>(rng, 1e-3))), 1e-9);
+    EXPECT_LT(jacobian_error(prior, mean.retract(testing::random_vector<6>(rng, 0.5))), 1e-9);
+  }
+}
+
+TEST(Prior, RefusesNumbersThatAreNone) {
+  EXPECT_THROW((Prior<Scalar>{Scalar(std::nan("")), Matrix<1, 1>(1.0)}).validate(), BadNumber);
+  EXPECT_THROW((Prior<Scalar>{Scalar(0), Matrix<1, 1>(INFINITY)}).validate(), BadNumber);
+  EXPECT_THROW(Prior<Point2>::from_sigmas(Point2(0, 0), {1, 0}), BadNumber);
+  EXPECT_THROW(Prior<Point2>::from_covariance(Point2(0, 0), Matrix<2, 2>::Ones()), BadNumber);
+  EXPECT_NO_THROW((Prior<Scalar>{Scalar(1), Matrix<1, 1>(0.0)}).validate());  // no information is a number
+}
+
+}  // namespace
+}  // namespace holdfast

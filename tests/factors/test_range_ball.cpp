@@ -1,0 +1,54 @@
+#include <gtest/gtest.h>
+
+#include <holdfast/factors/range_ball.hpp>
+#include <holdfast/graph/variables.hpp>
+#include <holdfast/testing.hpp>
+
+namespace holdfast {
+namespace {
+
+using Ball = RangeBall<Pose2, Point2>;
+
+TEST(RangeBall, IsTheDistanceToTheBallInSigmas) {
+  EXPECT_DOUBLE_EQ((Ball{3, 0.5}(Pose2(1, 1, 2), Point2(4, 5)))[0], 4);
+  EXPECT_EQ((Ball{6, 0.5}(Pose2(1, 1, 2), Point2(4, 5)))[0], 0);
+  EXPECT_EQ((Ball{5, 0.5}(Pose2(1, 1, 2), Point2(4, 5)))[0], 0);
+}
+
+TEST(RangeBall, PullsOutsideAndNotInside) {
+  Jacobians<Ball> J;
+  J.all.setConstant(NAN);
+  Ball{6, 0.5}(Pose2(1, 1, 2), Point2(4, 5), &J);
+  EXPECT_TRUE(J.all.isZero(0));
+  Ball{3, 0.5}(Pose2(1, 1, 2), Point2(4, 5), &J);
+  EXPECT_TRUE(J.wrt<0>().isApprox(Matrix<1, 3>(-1.2, -1.6, 0), 1e-15));
+  EXPECT_LT(testing::jacobian_error(Ball{3, 0.5}, Pose2(1, 1, 2), Point2(4, 5)), 1e-10);
+}
+
+TEST(RangeBall, OfRadiusZeroIsFiniteWherePositionsCoincide) {
+  Jacobians<Ball> J;
+  J.all.setConstant(NAN);
+  EXPECT_EQ((Ball{0, 0.5}(Pose2(1, 1, 2), Point2(1, 1), &J))[0], 0);
+  EXPECT_TRUE(J.all.isZero(0));
+}
+
+TEST(RangeBall, CostIsTheLeastSquaredDistanceToAPointOfTheBall) {  // paper C (4)
+  const double distance = 2, sigma = 0.7;
+  const Point2 a(0, 0), b(3, 1);
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 100000; ++i) {
+    const double angle = 2e-5 * kPi * i;
+    least = std::min(least, (b.value - distance * Vector<2>(std::cos(angle), std::sin(angle))).squaredNorm() / (sigma * sigma));
+  }
+  EXPECT_NEAR((RangeBall<Point2, Point2>{distance, sigma}(a, b)).squaredNorm(), least, 1e-6);
+}
+
+TEST(RangeBall, RefusesNumbersThatAreNone) {
+  EXPECT_THROW((Ball{NAN, 1}).validate(), BadNumber);
+  EXPECT_THROW((Ball{-1, 1}).validate(), BadNumber);
+  EXPECT_THROW((Ball{1, 0}).validate(), BadNumber);
+  EXPECT_THROW((Ball{1, INFINITY}).validate(), BadNumber);
+}
+
+}  // namespace
+}  // namespace holdfast
