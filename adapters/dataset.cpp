@@ -9,16 +9,6 @@
 namespace holdfast {
 namespace {
 
-// Between weighs the translation in the frame of the measured second pose, Dataset::information in that of the first.
-template <class V>
-Matrix<V::dim, V::dim> in_frame_of_second(const RelativePoseEdge<V>& edge) {
-  constexpr int space = V::space_dim;
-  Matrix<V::dim, V::dim> turn = Matrix<V::dim, V::dim>::Identity();
-  turn.template topLeftCorner<space, space>() = edge.measured.rotation();
-  const Matrix<V::dim, V::dim> turned = turn.transpose() * edge.information() * turn;
-  return 0.5 * (turned + turned.transpose());
-}
-
 class Builder {
  public:
   Builder(const Dataset& dataset, const ProblemOptions& options) : dataset_(dataset), options_(options) {}
@@ -39,7 +29,7 @@ class Builder {
  private:
   template <class V>
   FactorId add(const RelativePoseEdge<V>& edge, const Loss& loss) {
-    return problem_.graph.add(Between<V>::from_information(edge.measured, in_frame_of_second(edge)), {edge.first, edge.second}, loss);
+    return problem_.graph.add(Between<V>::from_information(edge.measured, edge.information()), {edge.first, edge.second}, loss);
   }
   template <class P>
   FactorId add(const PriorEdge<P>& edge, const Loss&) {

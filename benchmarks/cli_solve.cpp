@@ -132,7 +132,7 @@ class Solver {
   void write_json() const {
     if (arguments_.json.empty()) return;
     std::string text;
-    for (const Json& line : lines_) text += line.dump() + '\n';
+    for (const Json& line : lines_) text += to_line(line);
     if (!text.empty())
       atomic_write(arguments_.json, text);
     else if (fs::is_regular_file(arguments_.json))

@@ -23,6 +23,13 @@ class Random {
     const double radius = std::sqrt(-2 * std::log1p(-uniform()));
     return radius * std::cos(2 * kPi * uniform());
   }
+  // Vectors are drawn in order here, since the order in which a compiler evaluates two arguments is its own.
+  template <int N>
+  Vector<N> uniforms(double low, double high) {
+    Vector<N> v;
+    for (int i = 0; i < N; ++i) v[i] = uniform(low, high);
+    return v;
+  }
   template <int N>
   Vector<N> normals(double sigma) {
     Vector<N> v;

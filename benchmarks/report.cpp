@@ -23,7 +23,11 @@ std::vector<std::string> numbers_of(const Json& run) {
           text(run["ate_rmse"], "%.3f"),   text(run["rmse"], "%.3f"), ranges};
 }
 
-std::string end_of(const Json& run) { return run["termination"].get<std::string>() + ": " + run["why"].get<std::string>(); }
+std::string end_of(const Json& run) {
+  std::string end = run["termination"].get<std::string>() + ": " + run["why"].get<std::string>();
+  std::replace(end.begin(), end.end(), '\n', ' ');  // a culprit's values may fill several lines
+  return end;
+}
 
 std::vector<Table::Column> number_columns() {
   std::vector<Table::Column> columns;

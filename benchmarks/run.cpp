@@ -76,4 +76,6 @@ Json to_json(const Run& run) {
   return json;
 }
 
+std::string to_line(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n'; }
+
 }  // namespace holdfast::bench

@@ -37,4 +37,7 @@ double median(std::vector<double> numbers);
 /// One line of results. Unknown and non-finite numbers are null; `seconds` is the median of the repetitions.
 Json to_json(const Run& run);
 
+/// One line of a .jsonl file, end of line included; bytes of a file name that are no UTF-8 are replaced.
+std::string to_line(const Json& json);
+
 }  // namespace holdfast::bench

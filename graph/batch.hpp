@@ -49,6 +49,10 @@ class FactorBatch {
   /// column-major dims[a] × dims[b]; then its gradient; then its cost: stride() doubles a factor.
   virtual void contributions(const Values& values, const int* index, int first, int last, Curvature curvature, double* out) const = 0;
   int stride() const { return stride_; }
+  /// The same where r and J of factors [first, last) are known already, as evaluate() writes them.
+  virtual void contributions_at(const double* r, const double* J, int first, int last, Curvature curvature, double* out) const = 0;
+  /// J δ of factors [first, last); offsets: where in δ each variable of each factor of the batch begins, −1: a fixed one.
+  virtual void apply_jacobians(const double* J, const int* offsets, int first, int last, const double* delta, double* out) const = 0;
 
   /// Each factor's part of the gradient (total_dim doubles), then its cost.
   virtual void gradients(const Values& values, const int* index, int first, int last, double* out) const = 0;
@@ -157,13 +161,21 @@ class Batch final : public FactorBatch {
     Jacobians<F> J;
     for (int i = first; i < last; ++i) {
       const Vector<M> r = call(i, pools, index, &J, std::make_index_sequence<K>{});
-      const RowWeights<M> w = row_weights<M>(loss_, weights_[i], r, curvature);
-      const Matrix<M, N> scaled = w.hessian.asDiagonal() * J.all;
-      const Vector<N> raw = J.all.transpose() * r;
-      out = blocks<0>(J, scaled, raw, w.rank_one, out);
-      Eigen::Map<Vector<N>>(out, N) = J.all.transpose() * w.gradient.cwiseProduct(r);
-      out[N] = w.cost;
-      out += N + 1;
+      out = contribution(i, r, J.all, curvature, out);
+    }
+  }
+
+  void contributions_at(const double* r, const double* J, int first, int last, Curvature curvature, double* out) const override {
+    for (int i = first; i < last; ++i, r += M, J += M * N)
+      out = contribution(i, Eigen::Map<const Vector<M>>(r), Eigen::Map<const StoredJacobian>(J), curvature, out);
+  }
+
+  void apply_jacobians(const double* J, const int* offsets, int first, int last, const double* delta, double* out) const override {
+    for (int i = first; i < last; ++i, J += M * N, out += M) {
+      Vector<N> d;
+      const int* mine = offsets + static_cast<std::ptrdiff_t>(i) * K;
+      gather(delta, mine, d, std::make_index_sequence<K>{});
+      Eigen::Map<Vector<M>>(out, M).noalias() = Eigen::Map<const StoredJacobian>(J) * d;
     }
   }
 
@@ -207,33 +219,59 @@ class Batch final : public FactorBatch {
     (std::memcpy(static_cast<void*>(&std::get<I>(x)), ambient[I], sizeof(std::get<I>(x))), ...);
     return factors_[i](std::get<I>(x)..., J);
   }
-  static void store(const Jacobians<F>& jacobians, double* J) {
-    using Stored = Eigen::Matrix<double, M, N, M == 1 && N != 1 ? Eigen::RowMajor : Eigen::ColMajor>;
-    Eigen::Map<Stored>(J, M, N) = jacobians.all;
+  using StoredJacobian = Eigen::Matrix<double, M, N, M == 1 && N != 1 ? Eigen::RowMajor : Eigen::ColMajor>;
+  static void store(const Jacobians<F>& jacobians, double* J) { Eigen::Map<StoredJacobian>(J, M, N) = jacobians.all; }
+
+  template <std::size_t... I>
+  static void gather(const double* delta, const int* offsets, Vector<N>& d, std::index_sequence<I...>) {
+    const auto copy = [&](auto segment, int offset) {
+      if (offset >= 0)
+        segment = Eigen::Map<const Vector<decltype(segment)::SizeAtCompileTime>>(delta + offset);
+      else
+        segment.setZero();
+    };
+    (copy(d.template segment<Vars::dims[I]>(Vars::offsets[I]), offsets[I]), ...);
+  }
+
+  /// Blocks, gradient and cost of factor i; returns where the next factor's begin.
+  template <class J>
+  double* contribution(int i, const Vector<M>& r, const J& jacobian, Curvature curvature, double* out) const {
+    const RowWeights<M> w = row_weights<M>(loss_, weights_[i], r, curvature);
+    const Matrix<M, N> scaled = w.hessian.asDiagonal() * jacobian;
+    out = blocks<0>(jacobian, scaled, out);
+    if (w.rank_one != 0) add_rank_one(Vector<N>(jacobian.transpose() * r), w.rank_one, out - (stride_ - N - 1));
+    Eigen::Map<Vector<N>>(out, N).noalias() = jacobian.transpose() * w.gradient.cwiseProduct(r);
+    out[N] = w.cost;
+    return out + N + 1;
   }
 
   /// Writes column B of blocks and those after it.
-  template <int B>
-  static double* blocks(const Jacobians<F>& J, const Matrix<M, N>& scaled, const Vector<N>& raw, double rank_one, double* out) {
+  template <int B, class J>
+  static double* blocks(const J& jacobian, const Matrix<M, N>& scaled, double* out) {
     if constexpr (B < K) {
-      out = column<B, B>(J, scaled, raw, rank_one, out);
-      return blocks<B + 1>(J, scaled, raw, rank_one, out);
+      out = column<B, B>(jacobian, scaled, out);
+      return blocks<B + 1>(jacobian, scaled, out);
     } else {
       return out;
     }
   }
-  template <int A, int B>
-  static double* column(const Jacobians<F>& J, const Matrix<M, N>& scaled, const Vector<N>& raw, double rank_one, double* out) {
+  template <int A, int B, class J>
+  static double* column(const J& jacobian, const Matrix<M, N>& scaled, double* out) {
     if constexpr (A < K) {
-      constexpr int rows = Vars::dims[A], cols = Vars::dims[B], row = Vars::offsets[A], col = Vars::offsets[B];
-      MatrixT<double, rows, cols> block;
-      block.noalias() = J.template wrt<A>().transpose() * scaled.template middleCols<cols>(col);
-      if (rank_one != 0) block += rank_one * raw.template segment<rows>(row) * raw.template segment<cols>(col).transpose();
-      Eigen::Map<Eigen::Matrix<double, rows, cols, rows == 1 && cols != 1 ? Eigen::RowMajor : Eigen::ColMajor>>(out, rows, cols) = block;
-      return column<A + 1, B>(J, scaled, raw, rank_one, out + rows * cols);
+      constexpr int rows = Vars::dims[A], cols = Vars::dims[B];
+      Eigen::Map<Eigen::Matrix<double, rows, cols, rows == 1 && cols != 1 ? Eigen::RowMajor : Eigen::ColMajor>>(out, rows, cols).noalias() =
+          jacobian.template middleCols<rows>(Vars::offsets[A]).transpose() * scaled.template middleCols<cols>(Vars::offsets[B]);
+      return column<A + 1, B>(jacobian, scaled, out + rows * cols);
     } else {
       return out;
     }
+  }
+  /// Adds weight · v vᵀ to the blocks.
+  static void add_rank_one(const Vector<N>& v, double weight, double* out) {
+    for (int b = 0; b < K; ++b)
+      for (int a = b; a < K; ++a)
+        for (int c = 0; c < Vars::dims[b]; ++c)
+          for (int r = 0; r < Vars::dims[a]; ++r) *out++ += weight * v[Vars::offsets[a] + r] * v[Vars::offsets[b] + c];
   }
 
   std::vector<F> factors_;

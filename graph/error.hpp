@@ -1,6 +1,7 @@
 // Typed errors. Every message names the culprit, its value, the rule it breaks and the cure.
 #pragma once
 
+#include <locale>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -47,6 +48,7 @@ class BadFile : public Error {
 template <class E, class... Parts>
 [[noreturn]] void fail(const Parts&... parts) {
   std::ostringstream text;
+  text.imbue(std::locale::classic());
   text.precision(17);
   (text << ... << parts);
   throw E(text.str());

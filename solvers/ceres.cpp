@@ -128,7 +128,6 @@ class CeresBackend final : public Backend {
   Summary minimize(const Graph& graph, Values& values) override;
 
  private:
-  void build(const Graph& graph, const Resolved& resolved, Values& x, ceres::Problem& problem) const;
   ceres::Solver::Options solver_options(const Resolved& resolved) const;
 
   CeresVariant variant_;
@@ -144,7 +143,7 @@ void add_variables(const Resolved& resolved, Values& x, ceres::Problem& problem)
   }
 }
 
-void CeresBackend::build(const Graph& graph, const Resolved& resolved, Values& x, ceres::Problem& problem) const {
+void build(const Graph& graph, const Resolved& resolved, Values& x, ceres::Problem& problem) {
   add_variables(resolved, x, problem);
   for (std::size_t b = 0; b < graph.batches().size(); ++b) {
     const FactorBatch& batch = *graph.batches()[b];
@@ -230,6 +229,19 @@ Summary CeresBackend::minimize(const Graph& graph, Values& values) {
 }
 
 }  // namespace
+
+CeresEvaluation evaluate_with_ceres(const Graph& graph, const Values& values) {
+  const Resolved resolved(graph, values);
+  Values x = values;
+  ceres::Problem problem;
+  build(graph, resolved, x, problem);
+  ceres::Problem::EvaluateOptions options;
+  for (const Resolved::Variable& v : resolved.variables())
+    if (v.offset >= 0) options.parameter_blocks.push_back(x.pool(v.pool).data(v.index));
+  CeresEvaluation evaluation;
+  problem.Evaluate(options, &evaluation.cost, nullptr, &evaluation.gradient, nullptr);
+  return evaluation;
+}
 
 std::unique_ptr<Backend> make_ceres(const CeresVariant& variant, const Options& options) {
   return std::make_unique<CeresBackend>(variant, options);

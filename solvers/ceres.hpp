@@ -19,4 +19,11 @@ inline constexpr CeresVariant kCeresVariants[] = {{"ceres", 1e32, false}, {"cere
 
 std::unique_ptr<Backend> make_ceres(const CeresVariant& variant, const Options& options);
 
+/// What Ceres itself finds at these values, the gradient in Resolved's tangent: the conformance tests compare it with holdfast::gradient.
+struct CeresEvaluation {
+  double cost = 0;
+  std::vector<double> gradient;
+};
+CeresEvaluation evaluate_with_ceres(const Graph& graph, const Values& values);
+
 }  // namespace holdfast

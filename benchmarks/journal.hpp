@@ -1,0 +1,25 @@
+// A .jsonl file of results that outlives its program: every line is on the disk before the next run starts.
+#pragma once
+
+#include <holdfast/benchmarks/run.hpp>
+#include <string>
+#include <vector>
+
+namespace holdfast::bench {
+
+class Journal {
+ public:
+  /// Reads what is there. A line that was torn when the program was killed is dropped from the file. BadFile where it cannot be read or written.
+  explicit Journal(std::string path);
+
+  const std::string& path() const { return path_; }
+  const std::vector<Json>& lines() const { return lines_; }
+  /// Adds a line, flushed to the disk.
+  void append(const Json& line);
+
+ private:
+  std::string path_;
+  std::vector<Json> lines_;
+};
+
+}  // namespace holdfast::bench
