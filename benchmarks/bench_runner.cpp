@@ -23,7 +23,8 @@ Json line_of(const Suite& suite, const Run& run) {
 /// What two lines have in common that are of the same run.
 std::string identity(const Json& line) {
   std::string text;
-  for (const char* field : {"suite", "file", "loss", "start", "backend", "seed", "threads", "tolerance", "max_iterations", "time_limit", "commit", "machine"})
+  for (const char* field :
+       {"suite", "file", "loss", "start", "backend", "seed", "threads", "tolerance", "max_iterations", "time_limit", "commit", "machine"})
     text += line.value(field, Json()).dump(-1, ' ', false, Json::error_handler_t::replace) + '|';
   return text;
 }

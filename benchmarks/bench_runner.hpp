@@ -9,17 +9,18 @@ namespace holdfast::bench {
 
 struct RunnerOptions {
   std::vector<std::string> backends;
-  Options solver;         ///< the same for all
-  int repetitions = 3;    ///< of a solve that takes less than kFast; the back-ends in turn
+  Options solver;       ///< the same for all
+  int repetitions = 3;  ///< of a solve that takes less than kFast; the back-ends in turn
   unsigned seed = 1;
-  bool fresh = false;     ///< run again what is in the journal
+  bool fresh = false;  ///< run again what is in the journal
 };
 
 /// Solves that take longer are run once [s].
 inline constexpr double kFast = 1.0;
 
-/// Same start, same cost, same stopping rule for every back-end. Each run's line goes to the journal as soon as its case is done; a run whose line
-/// is there already (same problem, back-end, options, seed, commit and machine) is not run again. Returns the lines of the suite in its order.
+/// Same start, same cost, same stopping rule for every back-end. Each run's line goes to the journal as soon as its case is done; a run
+/// whose line is there already (same problem, back-end, options, seed, commit and machine) is not run again. Returns the lines of the suite
+/// in its order.
 struct SuiteResult {
   std::vector<Json> lines;
   std::vector<std::string> skipped;  ///< cases whose data is absent, and why

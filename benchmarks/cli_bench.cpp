@@ -9,16 +9,20 @@ namespace holdfast::bench {
 namespace fs = std::filesystem;
 
 CLI::App* add_bench(CLI::App& app, BenchArguments& arguments) {
-  CLI::App* command = app.add_subcommand("bench", "run suites of problems, print tables, keep every run as a line of JSON; goes on where it was killed");
+  CLI::App* command =
+      app.add_subcommand("bench", "run suites of problems, print tables, keep every run as a line of JSON; goes on where it was killed");
   std::string names;
-  for (const Suite& suite : suites()) names += std::string("\n  ") + suite.name + ": " + suite.what + (suite.by_default ? " (default)" : "");
+  for (const Suite& suite : suites())
+    names += std::string("\n  ") + suite.name + ": " + suite.what + (suite.by_default ? " (default)" : "");
   command->add_option("SUITE", arguments.suites, "of:" + names);
   command->add_option("--out", arguments.out, "directory of the results, a file <suite>.jsonl each")->capture_default_str();
   command->add_option("--backend", arguments.backends, "comma-separated names, or all")->capture_default_str();
   command->add_option("--threads", arguments.threads)->capture_default_str();
   command->add_option("--tolerance", arguments.tolerance, "relative decrease of the cost that ends a solve")->capture_default_str();
   command->add_option("--time-limit", arguments.time_limit, "seconds a solve")->capture_default_str();
-  command->add_option("--repetitions", arguments.repetitions, "of a solve that takes less than a second")->capture_default_str()->check(CLI::PositiveNumber);
+  command->add_option("--repetitions", arguments.repetitions, "of a solve that takes less than a second")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   command->add_option("--seed", arguments.seed)->capture_default_str();
   command->add_flag("--fresh", arguments.fresh, "run again what the results hold already");
   return command;
@@ -44,17 +48,19 @@ void print_rules(std::ostream& out, const Suite& suite, const RunnerOptions& opt
       << "Same start, same cost function (Graph::cost) and same stopping rule for all: a step that lowers the cost by less than "
       << options.solver.cost_tolerance << " of it, or " << options.solver.time_limit << " s.\n";
   if (suite.first_order_iterations > 0)
-    out << "nesterov stops after " << suite.first_order_iterations << " iterations: a limit in seconds would give other numbers every time.\n";
-  out << "Seed " << options.seed << ", threads " << options.solver.threads << ", seconds: the whole solve() call, median of " << options.repetitions
-      << " in turn where it takes less than " << kFast << " s, else one. Commit " << commit() << ", " << machine()["cpu"].get<std::string>() << ", "
-      << machine()["cores"] << " cores.\n";
+    out << "nesterov stops after " << suite.first_order_iterations
+        << " iterations: a limit in seconds would give other numbers every time.\n";
+  out << "Seed " << options.seed << ", threads " << options.solver.threads << ", seconds: the whole solve() call, median of "
+      << options.repetitions << " in turn where it takes less than " << kFast << " s, else one. Commit " << commit() << ", "
+      << machine()["cpu"].get<std::string>() << ", " << machine()["cores"] << " cores.\n";
 }
 
 void print_result(std::ostream& out, const SuiteResult& result, const std::string& path) {
   if (!result.lines.empty()) print_suite(out, result.lines);
   print_differences(out, result.lines);
   for (const std::string& skipped : result.skipped) out << "skipped " << skipped << '\n';
-  if (result.taken > 0) out << result.taken << " runs were there already (same commit, machine, options and seed); --fresh runs them again\n";
+  if (result.taken > 0)
+    out << result.taken << " runs were there already (same commit, machine, options and seed); --fresh runs them again\n";
   if (!result.lines.empty()) out << "results: " << path << '\n';
   out << std::endl;
 }

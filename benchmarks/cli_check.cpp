@@ -16,7 +16,8 @@ int check_file(const CheckArguments& arguments, Terminal& terminal) {
   const std::vector<Finding> findings = check(problem.instance.graph, problem.instance.start);
   if (!problem.unknown.empty()) terminal.out << "warning: unknown tag: " << problem.unknown << '\n';
   for (const Finding& finding : findings)
-    terminal.out << (finding.severity == Finding::Severity::error ? "error: " : "warning: ") << to_string(finding.kind) << ": " << finding.text << '\n';
+    terminal.out << (finding.severity == Finding::Severity::error ? "error: " : "warning: ") << to_string(finding.kind) << ": "
+                 << finding.text << '\n';
   if (findings.empty() && problem.unknown.empty())
     terminal.out << "no findings: " << problem.instance.start.size() << " variables, " << problem.instance.graph.size() << " factors\n";
   return has_errors(findings) ? kFailed : kDone;

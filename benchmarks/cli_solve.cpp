@@ -73,7 +73,10 @@ std::vector<std::string> stems_of(const std::vector<std::string>& files) {
 class Solver {
  public:
   Solver(const SolveArguments& arguments, Terminal& terminal)
-      : arguments_(arguments), plan_(plan_of(arguments)), terminal_(terminal), bar_(terminal, arguments.files.size() * plan_.backends.size()) {}
+      : arguments_(arguments),
+        plan_(plan_of(arguments)),
+        terminal_(terminal),
+        bar_(terminal, arguments.files.size() * plan_.backends.size()) {}
 
   int solve_all() {
     const std::vector<std::string> stems = stems_of(arguments_.files);
@@ -98,7 +101,8 @@ class Solver {
 
   void solve_file(const std::string& file, const std::string& stem, const FileProblem& problem) {
     if (!problem.unknown.empty()) terminal_.err << "holdfast: warning: " << problem.unknown << '\n';
-    log(file + ": " + std::to_string(problem.instance.start.size()) + " variables, " + std::to_string(problem.instance.graph.size()) + " factors");
+    log(file + ": " + std::to_string(problem.instance.start.size()) + " variables, " + std::to_string(problem.instance.graph.size()) +
+        " factors");
     std::vector<Json> runs;
     for (const std::string& backend : plan_.backends) {
       bar_.begin(file + " " + backend);
@@ -119,8 +123,8 @@ class Solver {
   }
 
   void print(const std::string& file, const Instance& instance, const std::vector<Json>& runs) {
-    terminal_.out << file << ": " << instance.start.size() << " variables, " << instance.graph.size() << " factors, loss " << plan_.problem.loss.str()
-                  << ", start " << arguments_.start;
+    terminal_.out << file << ": " << instance.start.size() << " variables, " << instance.graph.size() << " factors, loss "
+                  << plan_.problem.loss.str() << ", start " << arguments_.start;
     if (arguments_.start == "odometry") terminal_.out << " (seed " << arguments_.seed << ")";
     terminal_.out << ", tolerance " << arguments_.tolerance << ", threads " << arguments_.threads << '\n';
     print_solve(terminal_.out, runs);

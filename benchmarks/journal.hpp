@@ -9,7 +9,8 @@ namespace holdfast::bench {
 
 class Journal {
  public:
-  /// Reads what is there. A line that was torn when the program was killed is dropped from the file. BadFile where it cannot be read or written.
+  /// Reads what is there. A line that was torn when the program was killed is dropped from the file. BadFile where it cannot be read or
+  /// written.
   explicit Journal(std::string path);
 
   const std::string& path() const { return path_; }

@@ -9,8 +9,8 @@ namespace holdfast::bench {
 
 /// Root mean square of ‖position − true position‖ over all variables of `truth` that have a position, of all agents together [m].
 struct PositionError {
-  double ate_rmse;        ///< after the best rigid motion (rotation and translation, no scale, no mirror) of the whole estimate onto the truth
-  double rmse;            ///< as it stands: the frame is that of the truth where a prior holds it there
+  double ate_rmse;  ///< after the best rigid motion (rotation and translation, no scale, no mirror) of the whole estimate onto the truth
+  double rmse;      ///< as it stands: the frame is that of the truth where a prior holds it there
   std::size_t positions;  ///< how many entered
 };
 

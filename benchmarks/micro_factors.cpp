@@ -40,7 +40,8 @@ void evaluate(::benchmark::State& state) {
 const bool registered = [] {
   testing::for_each_type<testing::AllFactors>([](auto tag) {
     using F = typename decltype(tag)::type;
-    const std::string name = factor_name<F>() + "<" + names(static_cast<typename F::Variables*>(nullptr)) + ">/r" + std::to_string(F::residual_dim);
+    const std::string name =
+        factor_name<F>() + "<" + names(static_cast<typename F::Variables*>(nullptr)) + ">/r" + std::to_string(F::residual_dim);
     ::benchmark::RegisterBenchmark(name.c_str(), evaluate<F>);
   });
   return true;

@@ -25,8 +25,18 @@ void linearize(::benchmark::State& state, const std::string& file) {
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * instance.graph.size()));
 }
 
-BENCHMARK_CAPTURE(linearize, plaza2, "range/plaza2.pyfg")->ArgName("threads")->Arg(1)->Arg(2)->UseRealTime()->Unit(::benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(linearize, sphere2500, "pose_graph/sphere2500.g2o")->ArgName("threads")->Arg(1)->Arg(2)->UseRealTime()->Unit(::benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(linearize, plaza2, "range/plaza2.pyfg")
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseRealTime()
+    ->Unit(::benchmark::kMicrosecond);
+BENCHMARK_CAPTURE(linearize, sphere2500, "pose_graph/sphere2500.g2o")
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseRealTime()
+    ->Unit(::benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace holdfast::bench

@@ -15,12 +15,20 @@ std::string text(const Json& json, const char* format) {
 }
 
 /// Runs of one name were given the same problem.
-std::string problem_of(const Json& run) { return run["file"].get<std::string>() + ", " + run["loss"].get<std::string>() + ", start " + run["start"].get<std::string>(); }
+std::string problem_of(const Json& run) {
+  return run["file"].get<std::string>() + ", " + run["loss"].get<std::string>() + ", start " + run["start"].get<std::string>();
+}
 
 std::vector<std::string> numbers_of(const Json& run) {
-  const std::string ranges = run["ranges"].is_number() && run["ranges"] != 0 ? text(run["rejected_ranges"], "%.0f") + "/" + text(run["ranges"], "%.0f") : "-";
-  return {text(run["cost_first"], "%.6g"), text(run["cost"], "%.8g"), text(run["iterations"], "%.0f"), text(run["seconds"], "%.3f"),
-          text(run["ate_rmse"], "%.3f"),   text(run["rmse"], "%.3f"), ranges};
+  const std::string ranges =
+      run["ranges"].is_number() && run["ranges"] != 0 ? text(run["rejected_ranges"], "%.0f") + "/" + text(run["ranges"], "%.0f") : "-";
+  return {text(run["cost_first"], "%.6g"),
+          text(run["cost"], "%.8g"),
+          text(run["iterations"], "%.0f"),
+          text(run["seconds"], "%.3f"),
+          text(run["ate_rmse"], "%.3f"),
+          text(run["rmse"], "%.3f"),
+          ranges};
 }
 
 std::string end_of(const Json& run) {
@@ -69,7 +77,8 @@ void print_suite(std::ostream& out, const std::vector<Json>& runs) {
     const std::string problem = problem_of(run);
     const bool same = problem == before;
     before = problem;
-    std::vector<std::string> row{same ? "" : run["file"].get<std::string>(), same ? "" : run["loss"].get<std::string>(), run["backend"].get<std::string>()};
+    std::vector<std::string> row{same ? "" : run["file"].get<std::string>(), same ? "" : run["loss"].get<std::string>(),
+                                 run["backend"].get<std::string>()};
     append(row, numbers_of(run));
     const auto ceres = ceres_seconds.find(problem);
     const bool comparable = ceres != ceres_seconds.end() && run["seconds"].is_number() && run["termination"] != "failed";
@@ -98,12 +107,14 @@ void print_differences(std::ostream& out, const std::vector<Json>& runs) {
       const double difference = cost(run) - cost(best);
       if (!(difference > kSameCost * std::abs(cost(best)))) continue;
       const bool converged = (*run)["termination"] == "converged";
-      higher += (higher.empty() ? " " : "; ") + (*run)["backend"].get<std::string>() + " " + text(difference / std::abs(cost(best)), "%+.2g") +
-                (converged ? " (converged: another minimum, or a flat valley)" : " (" + (*run)["termination"].get<std::string>() + ": not there yet)");
+      higher += (higher.empty() ? " " : "; ") + (*run)["backend"].get<std::string>() + " " +
+                text(difference / std::abs(cost(best)), "%+.2g") +
+                (converged ? " (converged: another minimum, or a flat valley)"
+                           : " (" + (*run)["termination"].get<std::string>() + ": not there yet)");
     }
     if (!higher.empty())
-      out << "different ends: " << problem << ": lowest cost " << text((*best)["cost"], "%.8g") << " (" << (*best)["backend"].get<std::string>()
-          << "), relative to it" << higher << '\n';
+      out << "different ends: " << problem << ": lowest cost " << text((*best)["cost"], "%.8g") << " ("
+          << (*best)["backend"].get<std::string>() << "), relative to it" << higher << '\n';
   }
 }
 

@@ -28,7 +28,8 @@ struct Run {
   std::size_t factors = 0;
 };
 
-/// Solves from instance.start; `answer` is that start where the solve fails. A problem that cannot be posed is a failed run, not an exception.
+/// Solves from instance.start; `answer` is that start where the solve fails. A problem that cannot be posed is a failed run, not an
+/// exception.
 Run run_task(const Task& task, const Instance& instance, Values& answer);
 
 /// The middle one, or the mean of the two in the middle.

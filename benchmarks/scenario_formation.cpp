@@ -7,9 +7,9 @@ namespace holdfast::bench {
 namespace {
 
 constexpr int kSteps = 50, kAnchors = 3, kNodes = 3;
-constexpr double kSide = 30;                  // of the anchors' triangle [m]
+constexpr double kSide = 30;  // of the anchors' triangle [m]
 constexpr double kSigma = 0.5, kKappa = 6000;
-constexpr double kDensity = 0.1;              // of the nodes' acceleration [m²/s³]; a step takes a second
+constexpr double kDensity = 0.1;  // of the nodes' acceleration [m²/s³]; a step takes a second
 
 Key node(int i, int step) { return {static_cast<char>('A' + i), static_cast<std::uint64_t>(step)}; }
 Key anchor(int i, int step) { return {'L', static_cast<std::uint64_t>(step * kAnchors + i)}; }
@@ -37,7 +37,9 @@ RangeBearingBall<A, B> measured(const Vector<2>& x, Random& random) {
   return {distance, kSigma, Vector<2>(std::cos(angle), std::sin(angle)), kKappa};
 }
 
-Vector<2> corner(int i) { return kSide / std::sqrt(3) * Vector<2>(std::cos(kPi / 2 + 2 * kPi * i / 3), std::sin(kPi / 2 + 2 * kPi * i / 3)); }
+Vector<2> corner(int i) {
+  return kSide / std::sqrt(3) * Vector<2>(std::cos(kPi / 2 + 2 * kPi * i / 3), std::sin(kPi / 2 + 2 * kPi * i / 3));
+}
 
 }  // namespace
 

@@ -34,7 +34,8 @@ std::vector<Case> data_cases(unsigned seed) {
   const std::string root = data_directory();
   std::vector<Case> cases;
   for (const char* name : {"plaza2", "single_drone", "tiers", "mrclam5a", "goats_14"})
-    for (const char* loss : {"squared", "huber:2"}) cases.push_back(file_case(root, "range/" + std::string(name) + ".pyfg", loss, "odometry", seed));
+    for (const char* loss : {"squared", "huber:2"})
+      cases.push_back(file_case(root, "range/" + std::string(name) + ".pyfg", loss, "odometry", seed));
   for (const char* name : {"intel", "MIT", "M3500", "sphere2500", "smallGrid3D", "tinyGrid3D"})
     cases.push_back(file_case(root, "pose_graph/" + std::string(name) + ".g2o", "squared", "file", seed));
   return cases;

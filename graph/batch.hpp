@@ -12,6 +12,8 @@
 
 namespace holdfast {
 
+#define HOLDFAST_NOINLINE __attribute__((noinline))
+
 /// How a robust term enters H (the gradient is always exact): irls: w ρ' JᵀJ; newton: the second derivative of ½ρ(‖r‖²) with
 /// J held, ρ' JᵀJ + 2ρ'' (Jᵀr)(Jᵀr)ᵀ, cut off where it would turn negative.
 enum class Curvature { irls, newton };
@@ -34,8 +36,9 @@ class FactorBatch {
   const std::vector<int>& dims() const { return dims_; }
   int arity() const { return static_cast<int>(dims_.size()); }
   int total_dim() const { return total_dim_; }
-  const Key* keys(int i) const { return &keys_[static_cast<std::size_t>(i) * dims_.size()]; }
+  const Key* keys(int i) const { return keys_.data() + static_cast<std::size_t>(i) * dims_.size(); }
   double weight(int i) const { return weights_[i]; }
+  const double* weights() const { return weights_.data(); }
   std::string describe(int i) const;  ///< "RangeBall(A11, L0)"
 
   /// r of factors [first, last), residual_dim doubles each, and their Jacobians (residual_dim × total_dim, column-major) unless J
@@ -161,13 +164,12 @@ class Batch final : public FactorBatch {
     Jacobians<F> J;
     for (int i = first; i < last; ++i) {
       const Vector<M> r = call(i, pools, index, &J, std::make_index_sequence<K>{});
-      out = contribution(i, r, J.all, curvature, out);
+      out = contribution(i, r.data(), J.all.data(), curvature, out);
     }
   }
 
   void contributions_at(const double* r, const double* J, int first, int last, Curvature curvature, double* out) const override {
-    for (int i = first; i < last; ++i, r += M, J += M * N)
-      out = contribution(i, Eigen::Map<const Vector<M>>(r), Eigen::Map<const StoredJacobian>(J), curvature, out);
+    for (int i = first; i < last; ++i, r += M, J += M * N) out = contribution(i, r, J, curvature, out);
   }
 
   void apply_jacobians(const double* J, const int* offsets, int first, int last, const double* delta, double* out) const override {
@@ -205,19 +207,23 @@ class Batch final : public FactorBatch {
   }
   template <std::size_t... I>
   auto pools_of(const Values& values, std::index_sequence<I...>) const {
-    return std::make_tuple(values.data<typename Vars::template type<I>>()...);
+    return std::tuple<const typename Vars::template type<I>*...>{values.data<typename Vars::template type<I>>()...};
+  }
+  /// The factor's own code, compiled once a type and not once a use.
+  template <class Pointers, std::size_t... I>
+  HOLDFAST_NOINLINE static Vector<M> invoke(const F& factor, const Pointers& x, Jacobians<F>* J, std::index_sequence<I...>) {
+    return factor(*std::get<I>(x)..., J);
   }
   template <class Pools, std::size_t... I>
-  Vector<M> call(int i, const Pools& pools, const int* index, Jacobians<F>* J, std::index_sequence<I...>) const {
+  Vector<M> call(int i, const Pools& pools, const int* index, Jacobians<F>* J, std::index_sequence<I...> all) const {
     const int* mine = index + static_cast<std::ptrdiff_t>(i) * K;
-    return factors_[i](std::get<I>(pools)[mine[I]]..., J);
+    return invoke(factors_[i], Pools{std::get<I>(pools) + mine[I]...}, J, all);
   }
-
   template <std::size_t... I>
-  Vector<M> call_at(int i, const double* const* ambient, Jacobians<F>* J, std::index_sequence<I...>) const {
+  Vector<M> call_at(int i, const double* const* ambient, Jacobians<F>* J, std::index_sequence<I...> all) const {
     typename Vars::Tuple x;
     (std::memcpy(static_cast<void*>(&std::get<I>(x)), ambient[I], sizeof(std::get<I>(x))), ...);
-    return factors_[i](std::get<I>(x)..., J);
+    return invoke(factors_[i], std::tuple<const typename Vars::template type<I>*...>{&std::get<I>(x)...}, J, all);
   }
   using StoredJacobian = Eigen::Matrix<double, M, N, M == 1 && N != 1 ? Eigen::RowMajor : Eigen::ColMajor>;
   static void store(const Jacobians<F>& jacobians, double* J) { Eigen::Map<StoredJacobian>(J, M, N) = jacobians.all; }
@@ -234,8 +240,9 @@ class Batch final : public FactorBatch {
   }
 
   /// Blocks, gradient and cost of factor i; returns where the next factor's begin.
-  template <class J>
-  double* contribution(int i, const Vector<M>& r, const J& jacobian, Curvature curvature, double* out) const {
+  HOLDFAST_NOINLINE double* contribution(int i, const double* residual, const double* J, Curvature curvature, double* out) const {
+    const Vector<M> r = Eigen::Map<const Vector<M>>(residual);
+    const Eigen::Map<const StoredJacobian> jacobian(J, M, N);
     const RowWeights<M> w = row_weights<M>(loss_, weights_[i], r, curvature);
     const Matrix<M, N> scaled = w.hessian.asDiagonal() * jacobian;
     out = blocks<0>(jacobian, scaled, out);

@@ -36,6 +36,9 @@ struct Loss {
   /// The same for one component r of its own, which may be one-sided.
   Rho rho_of_component(double r) const { return one_sided && r > 0 ? Rho{r * r, 1, 0} : rho(r * r, 1); }
 
+  /// ½ρ(r²) is a convex function of r: one minimum, and Newton steps descend to it.
+  bool is_convex() const { return kind == Kind::Squared || kind == Kind::Absolute || kind == Kind::Huber || kind == Kind::PseudoHuber; }
+
   /// Throws BadNumber where the scale breaks its rule, BadOption where one_sided has no single sign to look at.
   void validate(int residual_dim) const;
   std::string str() const;  ///< "huber:2", "cauchy:1:component:one_sided"; what parse reads

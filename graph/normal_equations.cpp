@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <holdfast/graph/normal_equations.hpp>
-#include <numeric>
 
 namespace holdfast {
 namespace {
@@ -130,20 +129,36 @@ NormalEquations::Part NormalEquations::part_of(int part, int parts) const {
 }
 
 double NormalEquations::linearize(const Graph& graph, const Resolved& resolved, const Values& values, Curvature curvature, ThreadPool* pool) {
-  std::fill(H_.begin(), H_.end(), 0.0);
-  std::fill(gradient_.begin(), gradient_.end(), 0.0);
-  return pool != nullptr && pool->threads() > 1 ? linearize_in_parallel(graph, resolved, values, curvature, *pool)
-                                                : linearize_serially(graph, resolved, values, curvature);
+  return accumulate(graph, pool, [&](int b, int first, int last, double* out) {
+    graph.batches()[b]->contributions(values, resolved.batches()[b].index.data(), first, last, curvature, out);
+  });
 }
 
-double NormalEquations::linearize_serially(const Graph& graph, const Resolved& resolved, const Values& values, Curvature curvature) {
-  const Part all = part_of(0, 1);
+double NormalEquations::linearize_at(const Graph& graph, const std::vector<std::vector<double>>& r, const std::vector<std::vector<double>>& J,
+                                     Curvature curvature, ThreadPool* pool) {
+  return accumulate(graph, pool, [&](int b, int first, int last, double* out) {
+    const FactorBatch& factors = *graph.batches()[b];
+    const std::size_t row = static_cast<std::size_t>(first) * factors.residual_dim();
+    factors.contributions_at(r[b].data() + row, J[b].data() + row * factors.total_dim(), first, last, curvature, out);
+  });
+}
+
+template <class Contribute>
+double NormalEquations::accumulate(const Graph& graph, ThreadPool* pool, const Contribute& contribute) {
+  std::fill(H_.begin(), H_.end(), 0.0);
+  std::fill(gradient_.begin(), gradient_.end(), 0.0);
+  return pool != nullptr && pool->threads() > 1 ? accumulate_in_parallel(graph, *pool, contribute) : accumulate_serially(graph, contribute);
+}
+
+template <class Contribute>
+double NormalEquations::accumulate_serially(const Graph& graph, const Contribute& contribute) {
+  const Part all{0, pattern_.block_begin.back(), 0, pattern_.scalar_size()};
   double cost = 0;
   for (std::size_t b = 0; b < plans_.size(); ++b) {
     const FactorBatch& factors = *graph.batches()[b];
     for (int first = 0; first < factors.size(); first += kFactorsPerChunk) {
       const int last = std::min(factors.size(), first + kFactorsPerChunk);
-      factors.contributions(values, resolved.batches()[b].index.data(), first, last, curvature, contributions_.data());
+      contribute(static_cast<int>(b), first, last, contributions_.data());
       scatter(factors, plans_[b], first, last, contributions_.data(), all);
       for (int k = 1; k <= last - first; ++k) cost += contributions_[static_cast<std::size_t>(k) * factors.stride() - 1];
     }
@@ -153,30 +168,28 @@ double NormalEquations::linearize_serially(const Graph& graph, const Resolved& r
 
 // First every factor's contributions, side by side in memory; then each thread adds those that fall into its columns of H,
 // factor by factor as the serial code does: hence the same bits.
-double NormalEquations::linearize_in_parallel(const Graph& graph, const Resolved& resolved, const Values& values, Curvature curvature,
-                                              ThreadPool& pool) {
+template <class Contribute>
+double NormalEquations::accumulate_in_parallel(const Graph& graph, ThreadPool& pool, const Contribute& contribute) {
   if (!plans_.empty()) {
     const FactorBatch& last = *graph.batches().back();
     contributions_.resize(plans_.back().first_contribution + static_cast<std::size_t>(last.size()) * last.stride());
   }
   const std::vector<Chunk> chunks = chunks_of(graph, 256);
   const auto contributions_at = [&](int batch, int factor) {
-    return &contributions_[plans_[batch].first_contribution + static_cast<std::size_t>(factor) * graph.batches()[batch]->stride()];
+    return contributions_.data() + plans_[batch].first_contribution + static_cast<std::size_t>(factor) * graph.batches()[batch]->stride();
   };
   pool.run(static_cast<int>(chunks.size()), [&](int c) {
     const Chunk& chunk = chunks[c];
-    graph.batches()[chunk.batch]->contributions(values, resolved.batches()[chunk.batch].index.data(), chunk.first, chunk.last, curvature,
-                                                contributions_at(chunk.batch, chunk.first));
+    contribute(chunk.batch, chunk.first, chunk.last, contributions_at(chunk.batch, chunk.first));
   });
   pool.run(pool.threads(), [&](int t) {
     const Part part = part_of(t, pool.threads());
     for (std::size_t b = 0; b < plans_.size(); ++b)
-      if (graph.batches()[b]->size() > 0)
-        scatter(*graph.batches()[b], plans_[b], 0, graph.batches()[b]->size(), contributions_at(static_cast<int>(b), 0), part);
+      scatter(*graph.batches()[b], plans_[b], 0, graph.batches()[b]->size(), contributions_at(static_cast<int>(b), 0), part);
   });
   double cost = 0;
   for (std::size_t b = 0; b < plans_.size(); ++b)
-    for (int f = 0; f < graph.batches()[b]->size(); ++f) cost += *(contributions_at(static_cast<int>(b), f) + graph.batches()[b]->stride() - 1);
+    for (int f = 1; f <= graph.batches()[b]->size(); ++f) cost += *(contributions_at(static_cast<int>(b), f) - 1);
   return cost;
 }
 

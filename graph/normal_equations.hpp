@@ -25,6 +25,9 @@ class NormalEquations {
 
   /// Fills H and g, returns the cost. The same bits for any number of threads.
   double linearize(const Graph& graph, const Resolved& resolved, const Values& values, Curvature curvature, ThreadPool* pool = nullptr);
+  /// The same where the residuals and Jacobians of each batch are known (of linear factors the Jacobians never change).
+  double linearize_at(const Graph& graph, const std::vector<std::vector<double>>& r, const std::vector<std::vector<double>>& J, Curvature curvature,
+                      ThreadPool* pool = nullptr);
 
   const BlockPattern& pattern() const { return pattern_; }
   const std::vector<double>& H() const { return H_; }
@@ -53,8 +56,13 @@ class NormalEquations {
   };
   void scatter(const FactorBatch& factors, const Plan& plan, int first, int last, const double* contributions, const Part& part);
   Part part_of(int part, int parts) const;
-  double linearize_serially(const Graph& graph, const Resolved& resolved, const Values& values, Curvature curvature);
-  double linearize_in_parallel(const Graph& graph, const Resolved& resolved, const Values& values, Curvature curvature, ThreadPool& pool);
+  /// contribute(batch, first, last, out): FactorBatch::contributions of these factors.
+  template <class Contribute>
+  double accumulate(const Graph& graph, ThreadPool* pool, const Contribute& contribute);
+  template <class Contribute>
+  double accumulate_serially(const Graph& graph, const Contribute& contribute);
+  template <class Contribute>
+  double accumulate_in_parallel(const Graph& graph, ThreadPool& pool, const Contribute& contribute);
 
   BlockPattern pattern_;
   std::vector<int> order_;

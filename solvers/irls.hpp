@@ -1,8 +1,10 @@
 // The in-house second-order back-end: iteratively re-weighted least squares as damped Gauss–Newton on the manifold.
 //
-// Each iteration weighs every term by w ρ'(s), builds H and g, and solves (H + λ D) δ = −g, D = diag(H), by sparse Cholesky. λ starts at
-// 0 (Gauss–Newton); a step that does not lower the cost, or an H that is not positive definite, raises λ (Levenberg–Marquardt),
-// and steps that the quadratic model predicted well lower it again, to 0.
+// Each iteration weighs every term by w ρ'(s) (or by Newton's curvature, Options::reweighting), builds H and g, and solves
+// (H + λ D) δ = −g, D = diag(H), by sparse Cholesky. λ starts at 0 (Gauss–Newton); a step that does not lower the cost, or an H that is
+// not positive definite, raises λ (Levenberg–Marquardt), and steps that the quadratic model predicted well lower it again, to 0.
+// Where every factor is linear, Jacobians are computed once and residuals move along r + α J δ, so that the line search along δ
+// is exact and costs next to nothing.
 // A solver object keeps the resolved problem, the ordering and the symbolic factorisation, and uses them again as long as
 // neither the graph's nor the values' structure changes.
 #pragma once
@@ -10,6 +12,8 @@
 #include <holdfast/solvers/backend.hpp>
 
 namespace holdfast {
+
+class Progress;
 
 class Irls final : public Backend {
  public:
@@ -22,6 +26,11 @@ class Irls final : public Backend {
 
  private:
   struct Workspace;
+  void minimize_nonlinear(const Graph& graph, Progress& progress);
+  bool step_nonlinear(const Graph& graph, Progress& progress, double gradient_norm, double& cost, double& predicted);
+  void minimize_linear(const Graph& graph, Progress& progress);
+  Curvature curvature(const Graph& graph, bool linear) const;
+
   std::unique_ptr<Workspace> workspace_;
 };
 

@@ -1,0 +1,65 @@
+#include <algorithm>
+#include <cmath>
+#include <holdfast/solvers/irls_workspace.hpp>
+
+namespace holdfast {
+namespace {
+
+constexpr double kFirstDamping = 1e-5;    // where Gauss–Newton fails
+constexpr double kLeastDamping = 1e-9;    // below this: Gauss–Newton again
+constexpr double kMostDamping = 1e20;
+constexpr double kLeastDiagonal = 1e-12;  // an unconstrained direction must feel the damping, too
+
+}  // namespace
+
+Irls::Workspace::Workspace(const Graph& graph, const Values& values, int threads)
+    : resolved(graph, values),
+      symbolic(analyze(block_graph(graph, resolved, variable))),
+      normal(graph, resolved, variables_in_order()),
+      cholesky(std::move(symbolic), normal.pattern()),
+      pool(threads),
+      best(values),
+      candidate(values) {
+  const std::size_t n = resolved.tangent_dim();
+  for (std::vector<double>* v : {&damping, &diagonal, &rhs, &step, &tangent}) v->resize(n);
+}
+
+std::vector<int> Irls::Workspace::variables_in_order() const {
+  std::vector<int> order;
+  for (int node : symbolic.order) order.push_back(variable[node]);
+  return order;
+}
+
+void Irls::Workspace::read_diagonal() {
+  const BlockPattern& pattern = normal.pattern();
+  for (int i = 0; i < pattern.size(); ++i) {
+    const double* block = &normal.H()[pattern.block_begin[pattern.column_begin[i]]];
+    for (int c = 0; c < pattern.dims[i]; ++c) diagonal[pattern.offsets[i] + c] = block[c * (pattern.dims[i] + 1)];
+  }
+}
+
+double Irls::Workspace::solve_damped(double lambda) {
+  for (std::size_t i = 0; i < damping.size(); ++i) damping[i] = lambda * std::max(diagonal[i], kLeastDiagonal);
+  if (!cholesky.factor(normal.H(), damping, &pool)) return NAN;
+  const std::vector<double>& g = normal.gradient();
+  for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] = -g[i];
+  cholesky.solve(rhs, step);
+  double predicted = 0;
+  for (std::size_t i = 0; i < step.size(); ++i) predicted += 0.5 * step[i] * (damping[i] * step[i] - g[i]);
+  return predicted;
+}
+
+void Damping::accept(double gain_ratio) {
+  const double u = 2 * gain_ratio - 1;
+  lambda_ *= std::max(1.0 / 3, 1 - u * u * u);
+  if (lambda_ < kLeastDamping) lambda_ = 0;
+  growth_ = 4;
+}
+
+bool Damping::reject() {
+  lambda_ = lambda_ == 0 ? kFirstDamping : lambda_ * growth_;
+  growth_ *= 2;
+  return lambda_ < kMostDamping;
+}
+
+}  // namespace holdfast

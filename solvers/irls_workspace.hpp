@@ -1,0 +1,53 @@
+// What the in-house second-order back-end keeps between solves of one structure. Internal.
+#pragma once
+
+#include <holdfast/solvers/block_cholesky.hpp>
+#include <holdfast/solvers/irls.hpp>
+#include <holdfast/solvers/minimizer.hpp>
+
+namespace holdfast {
+
+/// λ, as Nielsen moves it: down by how well the model predicted, up faster with every failure in a row.
+class Damping {
+ public:
+  double lambda() const { return lambda_; }
+  void accept(double gain_ratio);
+  /// False when there is nothing left to try.
+  bool reject();
+
+ private:
+  double lambda_ = 0;
+  double growth_ = 4;
+};
+
+struct Irls::Workspace {
+  Resolved resolved;
+  std::vector<int> variable;  // of each node of the block graph
+  Symbolic symbolic;
+  NormalEquations normal;
+  BlockCholesky cholesky;
+  ThreadPool pool;
+  Damping damper;
+  Values best, candidate;
+  std::vector<double> damping, diagonal, rhs, step, tangent;
+  // Of linear problems only: residuals, Jacobians and J δ of each batch, and where each variable's part of δ begins.
+  std::vector<std::vector<double>> r, J, Jd;
+  std::vector<std::vector<int>> offsets;
+  std::vector<double> total;  // the way from the start, in the tangent
+
+  Workspace(const Graph& graph, const Values& values, int threads);
+
+  /// (H + λ diag H) δ = −g into `step`; returns the decrease of the cost that the quadratic model predicts, or NaN where the
+  /// matrix is not positive definite.
+  double solve_damped(double lambda);
+  void read_diagonal();
+
+  void evaluate_linear(const Graph& graph);  ///< r and J at `best`
+  void apply_step(const Graph& graph);       ///< tangent from step, Jd from tangent
+  void move_along(double alpha);             ///< r and total, by α times the step
+
+ private:
+  std::vector<int> variables_in_order() const;
+};
+
+}  // namespace holdfast
