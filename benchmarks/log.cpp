@@ -9,7 +9,8 @@ namespace holdfast::bench {
 void start_log(bool verbose) {
   // No failure signal handler and no FATAL: an error of the user is a message and an exit code, never a core dump.
   FLAGS_logtostderr = true;
-  FLAGS_minloglevel = verbose ? google::GLOG_INFO : google::GLOG_WARNING;
+  // What Ceres warns of ends up in the reason why it stopped: nobody needs it twice.
+  FLAGS_minloglevel = verbose ? google::GLOG_INFO : google::GLOG_FATAL;
   if (!google::IsGoogleLoggingInitialized()) google::InitGoogleLogging("holdfast");
 }
 void log(const std::string& message) { LOG(INFO) << message; }

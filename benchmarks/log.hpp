@@ -5,7 +5,7 @@
 
 namespace holdfast::bench {
 
-/// Once a process; later calls only set how much is shown: everything, or warnings (Ceres' own, too).
+/// Once a process; later calls only set how much is shown: everything (Ceres' warnings, too), or nothing.
 void start_log(bool verbose);
 void log(const std::string& message);
 

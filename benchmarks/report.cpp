@@ -25,7 +25,7 @@ std::vector<std::string> numbers_of(const Json& run) {
   return {text(run["cost_first"], "%.6g"),
           text(run["cost"], "%.8g"),
           text(run["iterations"], "%.0f"),
-          text(run["seconds"], "%.3f"),
+          text(run["seconds"], "%.4f"),
           text(run["ate_rmse"], "%.3f"),
           text(run["rmse"], "%.3f"),
           ranges};

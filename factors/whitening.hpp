@@ -7,49 +7,21 @@
 // A matrix that is not finite, symmetric (to 1e-9 of its largest entry) and positive definite throws BadNumber.
 #pragma once
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <holdfast/graph/require.hpp>
-#include <limits>
 
 namespace holdfast {
 
-namespace detail {  // of run-time size, so that a program compiles them once: they are called when a factor is made, never in a solve
+namespace detail {  // of run-time size and compiled once: they are called when a factor is made, never in a solve; n × n, column-major
+void cholesky_transposed(const char* what, int n, const double* m, double* W);           // Lᵀ with L Lᵀ = m
+void sqrt_of_inverse(const char* what, int n, const double* covariance, double* W);      // U⁻¹ with U Uᵀ = Σ: upper triangular like Lᵀ of Σ⁻¹
+void symmetric_sqrt_of_inverse(const char* what, int n, const double* covariance, double* W);
 
-inline void require_symmetric(const char* what, const Eigen::MatrixXd& m) {
-  require_finite(what, m);
-  Eigen::Index i = 0, j = 0;
-  if ((m - m.transpose()).cwiseAbs().maxCoeff(&i, &j) > 1e-9 * m.cwiseAbs().maxCoeff())
-    fail<BadNumber>(what, "(", i, ",", j, ") = ", m(i, j), " but ", what, "(", j, ",", i, ") = ", m(j, i),
-                    "; it must be symmetric; check the order of its entries");
+template <int N, class Function>
+Matrix<N, N> whitened(Function function, const char* what, const Matrix<N, N>& m) {
+  Matrix<N, N> W;
+  function(what, N, m.data(), W.data());
+  return W;
 }
-
-/// L with L Lᵀ = m, or by_last_component U with U Uᵀ = m. The pivots are judged against the diagonal: units do not matter.
-inline Eigen::MatrixXd cholesky(const char* what, const Eigen::MatrixXd& m, bool by_last_component = false) {
-  require_symmetric(what, m);
-  if (by_last_component) return cholesky(what, m.reverse()).reverse();
-  const Eigen::LLT<Eigen::MatrixXd> llt(m);
-  const Eigen::MatrixXd L = llt.matrixL();
-  const double rounding = static_cast<double>(m.rows()) * std::numeric_limits<double>::epsilon();
-  if (llt.info() != Eigen::Success || !(L.diagonal().array().square() > rounding * m.diagonal().array()).all())
-    fail<BadNumber>(what, " has the eigenvalue ",
-                    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m, Eigen::EigenvaluesOnly).eigenvalues()[0], " (diagonal [",
-                    m.diagonal().transpose(),
-                    "]) and must be positive definite; check the units and signs of its entries, or give every direction some noise");
-  return L;
-}
-
-/// U⁻¹ with U Uᵀ = Σ, upper triangular like Lᵀ of Σ⁻¹, and found without inverting Σ.
-inline Eigen::MatrixXd sqrt_of_inverse(const char* what, const Eigen::MatrixXd& covariance) {
-  const Eigen::MatrixXd U = cholesky(what, covariance, true);
-  return U.triangularView<Eigen::Upper>().solve(Eigen::MatrixXd::Identity(U.rows(), U.cols()));
-}
-
-inline Eigen::MatrixXd symmetric_sqrt_of_inverse(const char* what, const Eigen::MatrixXd& covariance) {
-  cholesky(what, covariance);  // states the rule
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(covariance).operatorInverseSqrt();
-}
-
 }  // namespace detail
 
 template <int N>
@@ -60,17 +32,17 @@ Matrix<N, N> sqrt_information_from_sigmas(const Vector<N>& sigmas, const char* w
 
 template <int N>
 Matrix<N, N> sqrt_information_from_information(const Matrix<N, N>& information, const char* what = "information") {
-  return detail::cholesky(what, information).transpose();
+  return detail::whitened<N>(detail::cholesky_transposed, what, information);
 }
 
 template <int N>
 Matrix<N, N> sqrt_information_from_covariance(const Matrix<N, N>& covariance, const char* what = "covariance") {
-  return detail::sqrt_of_inverse(what, covariance);
+  return detail::whitened<N>(detail::sqrt_of_inverse, what, covariance);
 }
 
 template <int N>
 Matrix<N, N> symmetric_sqrt_information_from_covariance(const Matrix<N, N>& covariance, const char* what = "covariance") {
-  return detail::symmetric_sqrt_of_inverse(what, covariance);
+  return detail::whitened<N>(detail::symmetric_sqrt_of_inverse, what, covariance);
 }
 
 }  // namespace holdfast

@@ -2,6 +2,7 @@
 // are fixed and nothing is allocated. Solvers, reports and adapters see factors through this interface only.
 #pragma once
 
+#include <algorithm>
 #include <cstring>
 #include <holdfast/graph/factor.hpp>
 #include <holdfast/graph/loss.hpp>
@@ -124,6 +125,59 @@ RowWeights<M> row_weights(const Loss& loss, double weight, const Vector<M>& r, C
   return w;
 }
 
+/// A factor's part of the normal equations from its residual and Jacobian (M × N, column-major). It depends on the sizes only, so that
+/// factor types of equal sizes share the code.
+template <int M, class Vars>
+struct NormalBlocks {
+  static constexpr int N = Vars::total_dim;
+  static constexpr int K = Vars::size;
+
+  /// Blocks (a, b), a ≥ b; gradient; cost.
+  HOLDFAST_NOINLINE static void write(const double* r, const double* J, const RowWeights<M>& w, double* out) {
+    double rows[M * N];  // J row by row: what is summed up below is then contiguous
+    for (int m = 0; m < M; ++m)
+      for (int n = 0; n < N; ++n) rows[m * N + n] = J[n * M + m];
+    double* const begin = out;
+    out = column<0, 0>(rows, w, out);
+    if (w.rank_one != 0) add_rank_one(r, rows, w.rank_one, begin);
+    std::fill(out, out + N, 0.0);
+    for (int m = 0; m < M; ++m)
+      for (int n = 0; n < N; ++n) out[n] += rows[m * N + n] * (w.gradient[m] * r[m]);
+    out[N] = w.cost;
+  }
+
+ private:
+  template <int A, int B>
+  static double* column(const double* rows, const RowWeights<M>& w, double* out) {
+    if constexpr (B == K) {
+      return out;
+    } else if constexpr (A == K) {
+      return column<B + 1, B + 1>(rows, w, out);
+    } else {
+      constexpr int R = Vars::dims[A], C = Vars::dims[B];
+      for (int c = 0; c < C; ++c) {
+        double sum[R] = {};
+        for (int m = 0; m < M; ++m) {
+          const double scaled = w.hessian[m] * rows[m * N + Vars::offsets[B] + c];
+          for (int k = 0; k < R; ++k) sum[k] += rows[m * N + Vars::offsets[A] + k] * scaled;
+        }
+        std::copy_n(sum, R, out + c * R);
+      }
+      return column<A + 1, B>(rows, w, out + R * C);
+    }
+  }
+
+  static void add_rank_one(const double* r, const double* rows, double weight, double* out) {
+    double v[N] = {};  // Jᵀ r
+    for (int m = 0; m < M; ++m)
+      for (int n = 0; n < N; ++n) v[n] += rows[m * N + n] * r[m];
+    for (int b = 0; b < K; ++b)
+      for (int a = b; a < K; ++a)
+        for (int c = 0; c < Vars::dims[b]; ++c)
+          for (int k = 0; k < Vars::dims[a]; ++k) *out++ += weight * v[Vars::offsets[a] + k] * v[Vars::offsets[b] + c];
+  }
+};
+
 template <class F>
 class Batch final : public FactorBatch {
  public:
@@ -174,10 +228,14 @@ class Batch final : public FactorBatch {
 
   void apply_jacobians(const double* J, const int* offsets, int first, int last, const double* delta, double* out) const override {
     for (int i = first; i < last; ++i, J += M * N, out += M) {
-      Vector<N> d;
-      const int* mine = offsets + static_cast<std::ptrdiff_t>(i) * K;
-      gather(delta, mine, d, std::make_index_sequence<K>{});
-      Eigen::Map<Vector<M>>(out, M).noalias() = Eigen::Map<const StoredJacobian>(J) * d;
+      double d[N] = {};
+      for (int k = 0; k < K; ++k) {
+        const int offset = offsets[static_cast<std::ptrdiff_t>(i) * K + k];
+        if (offset >= 0) std::copy_n(delta + offset, Vars::dims[k], d + Vars::offsets[k]);
+      }
+      std::fill(out, out + M, 0.0);
+      for (int n = 0; n < N; ++n)
+        for (int m = 0; m < M; ++m) out[m] += J[n * M + m] * d[n];
     }
   }
 
@@ -187,7 +245,7 @@ class Batch final : public FactorBatch {
     for (int i = first; i < last; ++i, out += N + 1) {
       const Vector<M> r = call(i, pools, index, &J, std::make_index_sequence<K>{});
       const RowWeights<M> w = row_weights<M>(loss_, weights_[i], r, Curvature::irls);
-      Eigen::Map<Vector<N>>(out, N) = J.all.transpose() * w.gradient.cwiseProduct(r);
+      for (int n = 0; n < N; ++n) out[n] = J.all.col(n).dot(w.gradient.cwiseProduct(r));
       out[N] = w.cost;
     }
   }
@@ -225,60 +283,13 @@ class Batch final : public FactorBatch {
     (std::memcpy(static_cast<void*>(&std::get<I>(x)), ambient[I], sizeof(std::get<I>(x))), ...);
     return invoke(factors_[i], std::tuple<const typename Vars::template type<I>*...>{&std::get<I>(x)...}, J, all);
   }
-  using StoredJacobian = Eigen::Matrix<double, M, N, M == 1 && N != 1 ? Eigen::RowMajor : Eigen::ColMajor>;
-  static void store(const Jacobians<F>& jacobians, double* J) { Eigen::Map<StoredJacobian>(J, M, N) = jacobians.all; }
-
-  template <std::size_t... I>
-  static void gather(const double* delta, const int* offsets, Vector<N>& d, std::index_sequence<I...>) {
-    const auto copy = [&](auto segment, int offset) {
-      if (offset >= 0)
-        segment = Eigen::Map<const Vector<decltype(segment)::SizeAtCompileTime>>(delta + offset);
-      else
-        segment.setZero();
-    };
-    (copy(d.template segment<Vars::dims[I]>(Vars::offsets[I]), offsets[I]), ...);
-  }
+  static void store(const Jacobians<F>& jacobians, double* J) { std::copy_n(jacobians.all.data(), M * N, J); }
 
   /// Blocks, gradient and cost of factor i; returns where the next factor's begin.
-  HOLDFAST_NOINLINE double* contribution(int i, const double* residual, const double* J, Curvature curvature, double* out) const {
-    const Vector<M> r = Eigen::Map<const Vector<M>>(residual);
-    const Eigen::Map<const StoredJacobian> jacobian(J, M, N);
-    const RowWeights<M> w = row_weights<M>(loss_, weights_[i], r, curvature);
-    const Matrix<M, N> scaled = w.hessian.asDiagonal() * jacobian;
-    out = blocks<0>(jacobian, scaled, out);
-    if (w.rank_one != 0) add_rank_one(Vector<N>(jacobian.transpose() * r), w.rank_one, out - (stride_ - N - 1));
-    Eigen::Map<Vector<N>>(out, N).noalias() = jacobian.transpose() * w.gradient.cwiseProduct(r);
-    out[N] = w.cost;
-    return out + N + 1;
-  }
-
-  /// Writes column B of blocks and those after it.
-  template <int B, class J>
-  static double* blocks(const J& jacobian, const Matrix<M, N>& scaled, double* out) {
-    if constexpr (B < K) {
-      out = column<B, B>(jacobian, scaled, out);
-      return blocks<B + 1>(jacobian, scaled, out);
-    } else {
-      return out;
-    }
-  }
-  template <int A, int B, class J>
-  static double* column(const J& jacobian, const Matrix<M, N>& scaled, double* out) {
-    if constexpr (A < K) {
-      constexpr int rows = Vars::dims[A], cols = Vars::dims[B];
-      Eigen::Map<Eigen::Matrix<double, rows, cols, rows == 1 && cols != 1 ? Eigen::RowMajor : Eigen::ColMajor>>(out, rows, cols).noalias() =
-          jacobian.template middleCols<rows>(Vars::offsets[A]).transpose() * scaled.template middleCols<cols>(Vars::offsets[B]);
-      return column<A + 1, B>(jacobian, scaled, out + rows * cols);
-    } else {
-      return out;
-    }
-  }
-  /// Adds weight · v vᵀ to the blocks.
-  static void add_rank_one(const Vector<N>& v, double weight, double* out) {
-    for (int b = 0; b < K; ++b)
-      for (int a = b; a < K; ++a)
-        for (int c = 0; c < Vars::dims[b]; ++c)
-          for (int r = 0; r < Vars::dims[a]; ++r) *out++ += weight * v[Vars::offsets[a] + r] * v[Vars::offsets[b] + c];
+  double* contribution(int i, const double* r, const double* J, Curvature curvature, double* out) const {
+    const RowWeights<M> w = row_weights<M>(loss_, weights_[i], Eigen::Map<const Vector<M>>(r), curvature);
+    NormalBlocks<M, Vars>::write(r, J, w, out);
+    return out + stride();
   }
 
   std::vector<F> factors_;

@@ -224,9 +224,7 @@ SmallProblem slam(std::uint64_t seed, int poses, double noise, const Loss& loss 
   for (int l = 0; l < landmarks; ++l) problem.truth.insert(L(l), Point(random_vector<n>(rng, 6)));
 
   const auto pose = [&](int i) { return problem.truth.at<V>(A(i)); };
-  const auto measured = [&](int a, int b) {
-    return (pose(a).inverse() * pose(b)).retract(random_vector<V::dim>(rng, noise));
-  };
+  const auto measured = [&](int a, int b) { return (pose(a).inverse() * pose(b)).retract(random_vector<V::dim>(rng, noise)); };
   Vector<V::dim> sigmas = Vector<V::dim>::Constant(0.1);
   problem.graph.add(Prior<V>::from_sigmas(pose(0), sigmas), {A(0)});
   for (int i = 1; i < poses; ++i) problem.graph.add(Between<V>::from_sigmas(measured(i - 1, i), sigmas), {A(i - 1), A(i)});
@@ -234,9 +232,12 @@ SmallProblem slam(std::uint64_t seed, int poses, double noise, const Loss& loss 
   for (int i = 0; i < poses; ++i) {
     const Key landmark = L(i % landmarks);
     const Vector<n> offset = pose(i).to_body(problem.truth.at<Point>(landmark).position() - pose(i).p);
-    if (i % 2 == 0) problem.graph.add(RelativePoint<V, Point>::from_sigmas(offset + random_vector<n>(rng, noise), Vector<n>::Constant(0.2)), {A(i), landmark}, loss);
+    if (i % 2 == 0)
+      problem.graph.add(RelativePoint<V, Point>::from_sigmas(offset + random_vector<n>(rng, noise), Vector<n>::Constant(0.2)),
+                        {A(i), landmark}, loss);
     problem.graph.add(Range<V, Point>{offset.norm() + random_vector<1>(rng, noise).cwiseAbs()[0], 0.2}, {A(i), landmark}, loss);
-    problem.graph.add(VonMisesBearingBody<V, Point>{(offset.normalized() + random_vector<n>(rng, 0.1 * noise)).normalized(), 20}, {A(i), landmark}, loss);
+    problem.graph.add(VonMisesBearingBody<V, Point>{(offset.normalized() + random_vector<n>(rng, 0.1 * noise)).normalized(), 20},
+                      {A(i), landmark}, loss);
   }
   problem.start = perturbed(problem.graph, problem.truth, start_sigma, rng);
   return problem;
@@ -251,7 +252,8 @@ SmallProblem range_balls(std::uint64_t seed, int points, const Loss& loss) {
   SmallProblem problem;
   for (int i = 0; i < points; ++i) problem.truth.insert(P(i), Point(random_vector<n>(rng, 5)));
   for (int i = 0; i < points; ++i) {
-    problem.graph.add(Prior<Point>::from_sigmas(Point(problem.truth.at<Point>(P(i)).value + random_vector<n>(rng, 0.5)), Vector<n>::Constant(2)), {P(i)});
+    problem.graph.add(
+        Prior<Point>::from_sigmas(Point(problem.truth.at<Point>(P(i)).value + random_vector<n>(rng, 0.5)), Vector<n>::Constant(2)), {P(i)});
     if (i > 0) problem.graph.add(PositionStep<Point, Point>{3}, {P(i - 1), P(i)}, loss);
     for (int j = 0; j < i; ++j) {
       const double distance = (problem.truth.at<Point>(P(i)).value - problem.truth.at<Point>(P(j)).value).norm();
@@ -280,7 +282,10 @@ SmallProblem tracking(std::uint64_t seed, int steps, double noise, const Loss& l
   for (int k = 0; k < steps; ++k) {
     if (k > 0) problem.graph.add(motion, {T(k - 1), T(k)});
     const Vector<n> agent = random_vector<n>(rng, 3), error = random_vector<n>(rng, k % 5 == 4 ? 20 * noise : noise);
-    if (k % 3 != 2) problem.graph.add(HuberMeasurement<V>::of_position(agent - problem.truth.at<V>(T(k)).position() + error, agent, Square(0.2 * Square::Identity())), {T(k)}, loss);
+    if (k % 3 != 2)
+      problem.graph.add(
+          HuberMeasurement<V>::of_position(agent - problem.truth.at<V>(T(k)).position() + error, agent, Square(0.2 * Square::Identity())),
+          {T(k)}, loss);
   }
   problem.start = perturbed(problem.graph, problem.truth, 2, rng);
   return problem;

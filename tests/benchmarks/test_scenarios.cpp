@@ -44,7 +44,9 @@ TEST(Unicycle, IsPaperAsWindow) {
   EXPECT_EQ(factors_named(instance.graph, "WhiteAcceleration"), 14u);
   EXPECT_TRUE(is_convex(instance.graph));
   for (const auto& batch : instance.graph.batches())
-    if (batch->name() == "HuberMeasurement") EXPECT_EQ(batch->loss(), per_component(Huber{2}));
+    if (batch->name() == "HuberMeasurement") {
+      EXPECT_EQ(batch->loss(), per_component(Huber{2}));
+    }
 }
 
 TEST(Unicycle, HasAFifthOfOutliersAllToOneSide) {

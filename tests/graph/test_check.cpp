@@ -146,7 +146,8 @@ TEST(Doctor, PointWithASingleRangeHasOneFreeDirection) {
   const auto findings = check(graph, values);
   EXPECT_TRUE(has_errors(findings));
   // Turning about L0 is a rigid motion of the whole, too: either name will do, but there is exactly one.
-  EXPECT_EQ(of_kind(findings, Kind::unconstrained_direction).size() + of_kind(findings, Kind::free_gauge).size(), 1u) << all_texts(findings);
+  EXPECT_EQ(of_kind(findings, Kind::unconstrained_direction).size() + of_kind(findings, Kind::free_gauge).size(), 1u)
+      << all_texts(findings);
   EXPECT_THAT(all_texts(findings), HasSubstr("A0"));
 }
 
@@ -169,7 +170,8 @@ TEST(Doctor, PoseGraphWithoutAPriorCanMove) {
   Values values;
   for (int i = 0; i < 5; ++i) values.insert(A(i), Pose2(i, 0.1 * i, 0.1 * i));
   const Finding finding = only(check(in_plane(), values), Kind::free_gauge);
-  for (const char* part : {"translation x", "translation y", "rotation", "5 variables", "agent A"}) EXPECT_THAT(finding.text, HasSubstr(part));
+  for (const char* part : {"translation x", "translation y", "rotation", "5 variables", "agent A"})
+    EXPECT_THAT(finding.text, HasSubstr(part));
   Graph fixed = in_plane();
   fixed.fix(A(2));
   EXPECT_EQ(all_texts(check(fixed, values)), "");
@@ -203,7 +205,8 @@ TEST(Doctor, GpsInSpaceLeavesTheRotationAboutTheLine) {
   values.insert(A(0), Point3(0.5, 1, 0));
   for (int i = 0; i < 2; ++i) graph.add(Range<Point3, Point3>{1, 0.1}, {L(i), A(0)});
   const auto findings = check(graph, values);
-  EXPECT_EQ(of_kind(findings, Kind::unconstrained_direction).size() + of_kind(findings, Kind::free_gauge).size(), 1u) << all_texts(findings);
+  EXPECT_EQ(of_kind(findings, Kind::unconstrained_direction).size() + of_kind(findings, Kind::free_gauge).size(), 1u)
+      << all_texts(findings);
 }
 
 TEST(Doctor, RangeOnlyPairIsFreeToMoveTogether) {
@@ -300,9 +303,10 @@ TEST_P(DoctorOnData, RaisesNoFalseAlarm) {
 std::string file_label(const ::testing::TestParamInfo<const char*>& info) { return std::filesystem::path(info.param).stem().string(); }
 
 INSTANTIATE_TEST_SUITE_P(Files, DoctorOnData,
-                         ::testing::Values("range/plaza2.pyfg", "range/tiers.pyfg", "range/mrclam5a.pyfg", "range/single_drone.pyfg", "range/goats_14.pyfg",
-                                           "pose_graph/intel.g2o", "pose_graph/MIT.g2o", "pose_graph/M3500.g2o", "pose_graph/CSAIL.g2o",
-                                           "pose_graph/tinyGrid3D.g2o", "pose_graph/smallGrid3D.g2o", "pose_graph/sphere2500.g2o"),
+                         ::testing::Values("range/plaza2.pyfg", "range/tiers.pyfg", "range/mrclam5a.pyfg", "range/single_drone.pyfg",
+                                           "range/goats_14.pyfg", "pose_graph/intel.g2o", "pose_graph/MIT.g2o", "pose_graph/M3500.g2o",
+                                           "pose_graph/CSAIL.g2o", "pose_graph/tinyGrid3D.g2o", "pose_graph/smallGrid3D.g2o",
+                                           "pose_graph/sphere2500.g2o"),
                          file_label);
 
 }  // namespace

@@ -14,17 +14,26 @@ struct Function {
   D (*dual)(const D& x, const D& y);
 };
 
-#define HOLDFAST_BOTH(expression) \
-  Function { #expression, [](double x, double y) -> double { using namespace std; (void)y; return expression; }, \
-             [](const D& x, const D& y) -> D { (void)y; return expression; } }
+#define HOLDFAST_BOTH(expression)                                                                     \
+  Function {                                                                                          \
+#expression, [](double x, double y) -> double { using namespace std; (void)y; return expression; }, \
+             [](const D& x, const D& y) -> D { (void)y; return expression; } \
+  }
 
 const Function kFunctions[] = {
-    HOLDFAST_BOTH(x + y),     HOLDFAST_BOTH(x - y),      HOLDFAST_BOTH(x * y),         HOLDFAST_BOTH(x / y),      HOLDFAST_BOTH(-x),
-    HOLDFAST_BOTH(+x),        HOLDFAST_BOTH(3.0 * x),    HOLDFAST_BOTH(x + 2.0),       HOLDFAST_BOTH(1.0 / x),    HOLDFAST_BOTH(sqrt(x)),
-    HOLDFAST_BOTH(sin(x)),    HOLDFAST_BOTH(cos(x)),     HOLDFAST_BOTH(tan(x)),        HOLDFAST_BOTH(asin(x)),    HOLDFAST_BOTH(acos(x)),
-    HOLDFAST_BOTH(atan(x)),   HOLDFAST_BOTH(exp(x)),     HOLDFAST_BOTH(log(x)),        HOLDFAST_BOTH(abs(-x)),    HOLDFAST_BOTH(pow(x, 2.5)),
-    HOLDFAST_BOTH(atan2(y, x)), HOLDFAST_BOTH(hypot(x, y)), HOLDFAST_BOTH(max(x, y)), HOLDFAST_BOTH(min(x, y)), HOLDFAST_BOTH(max(y, x)),
-    HOLDFAST_BOTH(exp(sin(x * y)) / sqrt(x + y * y)),
+    HOLDFAST_BOTH(x + y),       HOLDFAST_BOTH(x - y),
+    HOLDFAST_BOTH(x* y),        HOLDFAST_BOTH(x / y),
+    HOLDFAST_BOTH(-x),          HOLDFAST_BOTH(+x),
+    HOLDFAST_BOTH(3.0 * x),     HOLDFAST_BOTH(x + 2.0),
+    HOLDFAST_BOTH(1.0 / x),     HOLDFAST_BOTH(sqrt(x)),
+    HOLDFAST_BOTH(sin(x)),      HOLDFAST_BOTH(cos(x)),
+    HOLDFAST_BOTH(tan(x)),      HOLDFAST_BOTH(asin(x)),
+    HOLDFAST_BOTH(acos(x)),     HOLDFAST_BOTH(atan(x)),
+    HOLDFAST_BOTH(exp(x)),      HOLDFAST_BOTH(log(x)),
+    HOLDFAST_BOTH(abs(-x)),     HOLDFAST_BOTH(pow(x, 2.5)),
+    HOLDFAST_BOTH(atan2(y, x)), HOLDFAST_BOTH(hypot(x, y)),
+    HOLDFAST_BOTH(max(x, y)),   HOLDFAST_BOTH(min(x, y)),
+    HOLDFAST_BOTH(max(y, x)),   HOLDFAST_BOTH(exp(sin(x* y)) / sqrt(x + y * y)),
 };
 #undef HOLDFAST_BOTH
 

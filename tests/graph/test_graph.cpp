@@ -36,10 +36,10 @@ Values square() {
 
 TEST(Graph, CostIsTheSumOfItsTerms) {
   Graph graph;
-  graph.add(PointRange{4, 0.5}, {A(0), A(1)});                       // r = 2
-  graph.add(PointRange{2, 1}, {A(1), L(0)}, Huber{2});               // r = 3: ρ = 2·2·3 − 4
-  graph.add(PointRange{10, 0.1}, {A(0), L(0)}, Squared{});           // r = 0
-  graph.add(prior_at(0, 2), {A(0)}, Squared{}, 5);                   // ‖r‖² = 4, five times
+  graph.add(PointRange{4, 0.5}, {A(0), A(1)});              // r = 2
+  graph.add(PointRange{2, 1}, {A(1), L(0)}, Huber{2});      // r = 3: ρ = 2·2·3 − 4
+  graph.add(PointRange{10, 0.1}, {A(0), L(0)}, Squared{});  // r = 0
+  graph.add(prior_at(0, 2), {A(0)}, Squared{}, 5);          // ‖r‖² = 4, five times
   EXPECT_DOUBLE_EQ(graph.cost(square()), 0.5 * (4 + 8 + 0 + 5 * 4));
   EXPECT_EQ(Graph().cost(square()), 0);
 }

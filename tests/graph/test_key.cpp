@@ -22,12 +22,14 @@ TEST(Key, NamesAnAgentAndAnIndex) {
 }
 
 TEST(Key, IsReadBackFromItsText) {
-  for (const Key key : {Key('A', 0), Key('z', 7), Key('_', 123456789), Key('x', kMostIndex), Key('~', 42)}) EXPECT_EQ(Key::parse(key.str()), key) << key;
+  for (const Key key : {Key('A', 0), Key('z', 7), Key('_', 123456789), Key('x', kMostIndex), Key('~', 42)})
+    EXPECT_EQ(Key::parse(key.str()), key) << key;
   EXPECT_EQ(Key::parse("B007"), Key('B', 7));
 }
 
 TEST(Key, RefusesTextThatIsNone) {
-  for (const char* text : {"", "A", "11", "1A", "AA1", "A-1", "A+1", "A 1", " A1", "A1 ", "A1.5", "A1x", "A72057594037927936", "A99999999999999999999999"}) {
+  for (const char* text :
+       {"", "A", "11", "1A", "AA1", "A-1", "A+1", "A 1", " A1", "A1 ", "A1.5", "A1x", "A72057594037927936", "A99999999999999999999999"}) {
     try {
       Key::parse(text);
       ADD_FAILURE() << text;

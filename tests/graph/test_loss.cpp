@@ -158,7 +158,8 @@ TEST(LossText, IsReadBack) {
 }
 
 TEST(LossText, HoldsEveryDigitOfTheThreshold) {
-  for (const double a : {1.0 / 3, 1.345678901234, 1e-7 / 3, 123456789.123}) EXPECT_EQ(Loss::parse(Loss(Huber{a}).str()), Loss(Huber{a})) << Loss(Huber{a}).str();
+  for (const double a : {1.0 / 3, 1.345678901234, 1e-7 / 3, 123456789.123})
+    EXPECT_EQ(Loss::parse(Loss(Huber{a}).str()), Loss(Huber{a})) << Loss(Huber{a}).str();
 }
 
 TEST(LossText, IsWhatUsersWrite) {
@@ -171,13 +172,15 @@ TEST(LossText, IsWhatUsersWrite) {
 }
 
 TEST(LossText, RefusesWhatIsNoLoss) {
-  for (const char* text : {"", ":", "hubert", "Huber", "huber:-1", "huber:0", "huber:nan", "huber:inf", "huber:2x", "huber:two", "huber:1e999", " huber", "huber:2 "})
+  for (const char* text : {"", ":", "hubert", "Huber", "huber:-1", "huber:0", "huber:nan", "huber:inf", "huber:2x", "huber:two",
+                           "huber:1e999", " huber", "huber:2 "})
     EXPECT_THROW(Loss::parse(text), BadOption) << text;
 }
 
 // Silently dropping what follows an empty part would change the meaning of the text.
 TEST(LossText, RefusesEmptyAndRepeatedParts) {
-  for (const char* text : {"huber:", "huber::component", "huber:2:", "huber:2:3", "squared:5"}) EXPECT_THROW(Loss::parse(text), BadOption) << text;
+  for (const char* text : {"huber:", "huber::component", "huber:2:", "huber:2:3", "squared:5"})
+    EXPECT_THROW(Loss::parse(text), BadOption) << text;
 }
 
 TEST(LossText, ErrorListsTheNames) {

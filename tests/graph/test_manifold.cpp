@@ -45,7 +45,8 @@ TYPED_TEST(Manifold, RetractUndoesLocal) {
 
 TYPED_TEST(Manifold, LocalUndoesRetract) {
   for (const TypeParam& x : this->samples())
-    for (const auto& delta : this->tangents()) EXPECT_LT((x.local(x.retract(delta)) - delta).norm(), 1e-14 * (1 + x.local(TypeParam{}).norm()));
+    for (const auto& delta : this->tangents())
+      EXPECT_LT((x.local(x.retract(delta)) - delta).norm(), 1e-14 * (1 + x.local(TypeParam{}).norm()));
 }
 
 TYPED_TEST(Manifold, ZeroMovesNothing) {

@@ -161,7 +161,8 @@ TEST(NormalEquations, PatternIsALowerTriangleByColumns) {
   EXPECT_EQ(pattern.scalar_size(), resolved.tangent_dim());
   for (int column = 0; column < pattern.size(); ++column) {
     EXPECT_EQ(pattern.rows[pattern.column_begin[column]], column);  // the diagonal block first
-    for (int k = pattern.column_begin[column] + 1; k < pattern.column_begin[column + 1]; ++k) EXPECT_GT(pattern.rows[k], pattern.rows[k - 1]);
+    for (int k = pattern.column_begin[column] + 1; k < pattern.column_begin[column + 1]; ++k)
+      EXPECT_GT(pattern.rows[k], pattern.rows[k - 1]);
   }
 }
 

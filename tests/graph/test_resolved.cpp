@@ -105,7 +105,8 @@ TEST(Resolved, RetractAndLocalAreInverse) {
   resolved.retract(problem.start, delta.data(), moved);
   resolved.local(problem.start, moved, back.data());
   for (std::size_t i = 0; i < delta.size(); ++i) EXPECT_NEAR(back[i], delta[i], 1e-14);
-  EXPECT_EQ(problem.start.at<Pose3>(A(1)).local(moved.at<Pose3>(A(1))).norm(), problem.start.at<Pose3>(A(1)).local(problem.start.at<Pose3>(A(1))).norm());
+  EXPECT_EQ(problem.start.at<Pose3>(A(1)).local(moved.at<Pose3>(A(1))).norm(),
+            problem.start.at<Pose3>(A(1)).local(problem.start.at<Pose3>(A(1))).norm());
 }
 
 TEST(Resolved, CostHasTheSameBitsForAnyNumberOfThreads) {

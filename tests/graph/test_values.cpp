@@ -140,7 +140,8 @@ TEST(Values, FailedInsertLeavesCopiesExchangeable) {
   const Values copy = values;
   EXPECT_THROW(values.insert(A(0), Scalar(1)), BadKey);  // the first Scalar there ever was
   EXPECT_EQ(values.pools().size(), copy.pools().size());
-  if (values.structure() == copy.structure() && values.pools().size() != copy.pools().size()) return;  // assigning would read beyond the pools
+  if (values.structure() == copy.structure() && values.pools().size() != copy.pools().size())
+    return;  // assigning would read beyond the pools
   values.at<Point3>(B(0)).value[0] = 77;
   values = copy;
   EXPECT_EQ(values.at<Point3>(B(0)).value[0], 1);
