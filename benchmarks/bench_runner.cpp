@@ -8,7 +8,7 @@ namespace {
 
 Task task_of(const Suite& suite, const Case& one, const std::string& backend, const RunnerOptions& options) {
   Task task{one.name, one.loss, one.start, backend, options.seed, options.solver};
-  if (backend == "nesterov" && task.options.max_iterations == 0) task.options.max_iterations = suite.first_order_iterations;
+  task.options.max_iterations = suite.max_iterations;
   return task;
 }
 

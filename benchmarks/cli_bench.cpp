@@ -46,10 +46,8 @@ RunnerOptions runner_options(const BenchArguments& arguments) {
 void print_rules(std::ostream& out, const Suite& suite, const RunnerOptions& options) {
   out << "== " << suite.name << ": " << suite.what << "\n"
       << "Same start, same cost function (Graph::cost) and same stopping rule for all: a step that lowers the cost by less than "
-      << options.solver.cost_tolerance << " of it, or " << options.solver.time_limit << " s.\n";
-  if (suite.first_order_iterations > 0)
-    out << "nesterov stops after " << suite.first_order_iterations
-        << " iterations: a limit in seconds would give other numbers every time.\n";
+      << options.solver.cost_tolerance << " of it, or " << suite.max_iterations << " iterations, or " << options.solver.time_limit
+      << " s.\n";
   out << "Seed " << options.seed << ", threads " << options.solver.threads << ", seconds: the whole solve() call, median of "
       << options.repetitions << " in turn where it takes less than " << kFast << " s, else one. Commit " << commit() << ", "
       << machine()["cpu"].get<std::string>() << ", " << machine()["cores"] << " cores.\n";

@@ -13,7 +13,9 @@ void start_log(bool verbose) {
   FLAGS_minloglevel = verbose ? google::GLOG_INFO : google::GLOG_FATAL;
   if (!google::IsGoogleLoggingInitialized()) google::InitGoogleLogging("holdfast");
 }
-void log(const std::string& message) { LOG(INFO) << message; }
+void log(const std::string& message) {
+  if (google::IsGoogleLoggingInitialized()) LOG(INFO) << message;  // else a test, or somebody else's program: glog would scold
+}
 #else
 void start_log(bool) {}
 void log(const std::string&) {}

@@ -5,8 +5,8 @@ namespace holdfast::bench {
 
 const std::vector<Suite>& suites() {
   static const std::vector<Suite> all{
-      {"scenarios", "made from the seed: motion with outliers, range balls, ranges and bearings half lost, false loop closures", true, 0,
-       scenario_cases},
+      {"scenarios", "made from the seed: motion with outliers, range balls, ranges and bearings half lost, false loop closures", true,
+       10000, scenario_cases},
       {"data", "real range and pose-graph data", true, 1000, data_cases},
   };
   return all;

@@ -10,8 +10,8 @@ namespace holdfast::bench {
 struct Suite {
   const char* name;
   const char* what;
-  bool by_default;             ///< runs when no suite is named
-  int first_order_iterations;  ///< limit of back-ends that use gradients only; 0: their own
+  bool by_default;     ///< runs when no suite is named
+  int max_iterations;  ///< the same for every back-end
   std::vector<Case> (*cases)(unsigned seed);
 };
 

@@ -146,17 +146,19 @@ void BlockCholesky::plan_arena() {
   arena_.resize(begin + kSlack);
 }
 
-void BlockCholesky::extend_add(const Front& child, Front& front) {
+// Adds the columns of a child's update that are in the panel of its parent's front (own), or in the parent's update (not own).
+void BlockCholesky::extend_add(const Front& child, Front& front, bool own) {
   const double* from = &arena_[child.update];
   double* panel = &panels_[front.panel];
   double* update = &arena_[front.update];
   for (std::size_t b = 0; b < child.runs.size(); ++b) {
     const Run& columns = child.runs[b];
     for (int c = 0; c < columns.length; ++c) {
-      const double* source = from + static_cast<std::size_t>(columns.from + c) * child.update_ld;
       const int column = columns.to + c;
-      double* to = column < front.k ? panel + static_cast<std::size_t>(column) * front.ld
-                                    : update + static_cast<std::size_t>(column - front.k) * front.update_ld - front.k;
+      if ((column < front.k) != own) continue;
+      const double* source = from + static_cast<std::size_t>(columns.from + c) * child.update_ld;
+      double* to = own ? panel + static_cast<std::size_t>(column) * front.ld
+                       : update + static_cast<std::size_t>(column - front.k) * front.update_ld - front.k;
       for (int r = c; r < columns.length; ++r) to[columns.to + r] += source[columns.from + r];
       for (std::size_t a = b + 1; a < child.runs.size(); ++a) {
         const Run& rows = child.runs[a];
@@ -166,20 +168,21 @@ void BlockCholesky::extend_add(const Front& child, Front& front) {
   }
 }
 
+// The own columns: H, damping, and what the children leave in them.
 void BlockCholesky::assemble(Front& front, const double* H, const double* damping) {
   double* panel = &panels_[front.panel];
   std::fill_n(panel, static_cast<std::size_t>(front.ld) * front.k, 0.0);
-  std::fill_n(&arena_[front.update], static_cast<std::size_t>(front.update_ld) * front.m, 0.0);
   int b = front.first_block;
   for (int place : front.block_places) {
     const double* block = H + pattern_.block_begin[b];
-    const int rows = pattern_.dims[pattern_.rows[b]], size = pattern_.block_begin[b + 1] - pattern_.block_begin[b];
-    for (double* to = panel + place; block < H + pattern_.block_begin[b] + size; to += front.ld, block += rows) std::copy_n(block, rows, to);
-    ++b;
+    const double* end = H + pattern_.block_begin[b + 1];
+    const int rows = pattern_.dims[pattern_.rows[b++]];
+    for (double* to = panel + place; block < end; to += front.ld, block += rows)
+      for (int r = 0; r < rows; ++r) to[r] = block[r];
   }
   if (damping != nullptr)
     for (int i = 0; i < front.k; ++i) panel[i + static_cast<std::size_t>(i) * front.ld] += damping[front.first_scalar + i];
-  for (int c : front.children) extend_add(fronts_[c], front);
+  for (int c : front.children) extend_add(fronts_[c], front, true);
 }
 
 bool BlockCholesky::eliminate(Front& front, const double* H, const double* damping, ThreadPool* pool) {
@@ -189,11 +192,12 @@ bool BlockCholesky::eliminate(Front& front, const double* H, const double* dampi
   if (front.m == 0) return true;
   double* update = &arena_[front.update];
   const bool shared = pool != nullptr && static_cast<double>(front.m) * front.m * front.k > kParallelFront;
-  const int parts = shared ? (front.m + kColumnsPerTask - 1) / kColumnsPerTask : 1;
   const int columns = shared ? kColumnsPerTask : front.m;
-  parallel_for(shared ? pool : nullptr, parts, [&](int part) {
-    dense::subtract_outer_columns(front.m, front.k, panel + front.k, front.ld, update, front.update_ld, part * columns, std::min(front.m, (part + 1) * columns));
+  parallel_for(shared ? pool : nullptr, (front.m + columns - 1) / columns, [&](int part) {
+    dense::negative_outer(front.m, front.k, panel + front.k, front.ld, update, front.update_ld, part * columns,
+                          std::min(front.m, (part + 1) * columns));
   });
+  for (int c : front.children) extend_add(fronts_[c], front, false);
   return true;
 }
 
@@ -213,34 +217,23 @@ bool BlockCholesky::factor(const std::vector<double>& H, const std::vector<doubl
 }
 
 void BlockCholesky::solve(const std::vector<double>& b, std::vector<double>& x) {
-  x = b;
+  std::copy(b.begin(), b.end(), x.begin());
+  double* work = work_.data();
   for (const Front& front : fronts_) {  // L y = b
-    const double* column = &panels_[front.panel];
-    double* own = &x[front.first_scalar];
-    double* below = work_.data();
-    std::fill_n(below, front.m, 0.0);
-    for (int j = 0; j < front.k; ++j, column += front.ld) {
-      const double y = own[j] / column[j];
-      own[j] = y;
-      for (int i = j + 1; i < front.k; ++i) own[i] -= column[i] * y;
-      for (int i = 0; i < front.m; ++i) below[i] += column[front.k + i] * y;
-    }
+    std::copy_n(&x[front.first_scalar], front.k, work);
+    std::fill_n(work + front.k, front.m, 0.0);
+    dense::forward(front.n, front.k, &panels_[front.panel], front.ld, work);
+    std::copy_n(work, front.k, &x[front.first_scalar]);
+    const double* below = work + front.k;
     for (const auto& [first, length] : front.row_runs)
-      for (int i = 0; i < length; ++i) x[first + i] -= *below++;
+      for (int i = 0; i < length; ++i) x[first + i] += *below++;
   }
   for (std::size_t s = fronts_.size(); s-- > 0;) {  // Lᵀ x = y
     const Front& front = fronts_[s];
-    double* own = &x[front.first_scalar];
-    double* below = work_.data();
+    double* below = std::copy_n(&x[front.first_scalar], front.k, work);
     for (const auto& [first, length] : front.row_runs) below = std::copy_n(&x[first], length, below);
-    below = work_.data();
-    for (int j = front.k; j-- > 0;) {
-      const double* column = &panels_[front.panel] + static_cast<std::size_t>(j) * front.ld;
-      double sum = own[j];
-      for (int i = j + 1; i < front.k; ++i) sum -= column[i] * own[i];
-      for (int i = 0; i < front.m; ++i) sum -= column[front.k + i] * below[i];
-      own[j] = sum / column[j];
-    }
+    dense::backward(front.n, front.k, &panels_[front.panel], front.ld, work);
+    std::copy_n(work, front.k, &x[front.first_scalar]);
   }
 }
 

@@ -45,7 +45,7 @@ class BlockCholesky {
   void plan_arena();
   bool eliminate(Front& front, const double* H, const double* damping, ThreadPool* pool);
   void assemble(Front& front, const double* H, const double* damping);
-  void extend_add(const Front& child, Front& front);
+  void extend_add(const Front& child, Front& front, bool own);
 
   Symbolic symbolic_;
   BlockPattern pattern_;

@@ -11,11 +11,14 @@ namespace holdfast::dense {
 /// panel becomes [L11; L21]. False where a pivot is not positive (a NaN is not).
 bool factor_panel(int n, int k, double* panel, int ld);
 
-/// C −= A Aᵀ, lower triangle; A: m × k.
-void subtract_outer(int m, int k, const double* A, int lda, double* C, int ldc);
+/// Columns [first, last) of C = −A Aᵀ, lower triangle; A: m × k, k ≥ 1; first a multiple of 4.
+void negative_outer(int m, int k, const double* A, int lda, double* C, int ldc, int first, int last);
 
-/// Columns [first, last) of the same; first a multiple of 4.
-void subtract_outer_columns(int m, int k, const double* A, int lda, double* C, int ldc, int first, int last);
+/// x[0, k) ← L11⁻¹ x[0, k), then x[k, n) −= L21 x[0, k).
+void forward(int n, int k, const double* panel, int ld, double* x);
+
+/// x[0, k) ← L11⁻ᵀ (x[0, k) − L21ᵀ x[k, n)).
+void backward(int n, int k, const double* panel, int ld, double* x);
 
 /// A leading dimension for n rows: a multiple of 4 that keeps columns apart in the cache.
 int leading_dimension(int n);

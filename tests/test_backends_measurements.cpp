@@ -20,12 +20,6 @@ bool is_double<WhiteAcceleration<Motion2>>(std::size_t i) {
   return i != offsetof(WhiteAcceleration<Motion2>, kind) / sizeof(double) &&
          i != offsetof(WhiteAcceleration<Motion2>, steps) / sizeof(double);
 }
-template <>
-bool is_double<WhiteAcceleration<Motion3>>(std::size_t i) {
-  return i != offsetof(WhiteAcceleration<Motion3>, kind) / sizeof(double) &&
-         i != offsetof(WhiteAcceleration<Motion3>, steps) / sizeof(double);
-}
-
 template <class F>
 typename Graph::Keys<F> some_keys() {
   typename Graph::Keys<F> keys;

@@ -18,6 +18,7 @@ std::vector<Case> two_cases(unsigned seed) {
   const auto small = [seed] {
     UnicycleOptions options;
     options.states = 6;
+    options.dt = 0.5;
     return unicycle(options, seed);
   };
   return {{"small", "huber:2:component", "measurements", small},
@@ -25,7 +26,7 @@ std::vector<Case> two_cases(unsigned seed) {
           {"lost", "squared", "file", {}, "there is no such file"},
           {"broken", "squared", "file", []() -> Instance { fail<BadFile>("line 3 is cut"); }}};
 }
-const Suite kSuite{"two", "two small cases", true, 0, two_cases};
+const Suite kSuite{"two", "two small cases", true, 10000, two_cases};
 
 RunnerOptions quick() {
   RunnerOptions options;
