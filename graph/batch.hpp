@@ -58,6 +58,11 @@ class FactorBatch {
   /// J δ of factors [first, last); offsets: where in δ each variable of each factor of the batch begins, −1: a fixed one.
   virtual void apply_jacobians(const double* J, const int* offsets, int first, int last, const double* delta, double* out) const = 0;
 
+  /// Each factor's part of Jᵀ W r̈ (total_dim doubles, then a 0): r̈, the second derivative of the residual along δ, by finite difference
+  /// from `moved` = values ⊕ hδ; W = w ρ' at the values. offsets as for apply_jacobians.
+  virtual void curvatures(const Values& values, const Values& moved, double h, const double* delta, const int* index, const int* offsets, int first,
+                          int last, double* out) const = 0;
+
   /// Each factor's part of the gradient (total_dim doubles), then its cost.
   virtual void gradients(const Values& values, const int* index, int first, int last, double* out) const = 0;
 
@@ -236,6 +241,23 @@ class Batch final : public FactorBatch {
       std::fill(out, out + M, 0.0);
       for (int n = 0; n < N; ++n)
         for (int m = 0; m < M; ++m) out[m] += J[n * M + m] * d[n];
+    }
+  }
+
+  void curvatures(const Values& values, const Values& moved, double h, const double* delta, const int* index, const int* offsets, int first, int last,
+                  double* out) const override {
+    const auto here = pools_of(values, std::make_index_sequence<K>{}), there = pools_of(moved, std::make_index_sequence<K>{});
+    Jacobians<F> J;
+    for (int i = first; i < last; ++i, out += N + 1) {
+      const Vector<M> r = call(i, here, index, &J, std::make_index_sequence<K>{});
+      const Vector<M> r_moved = call(i, there, index, nullptr, std::make_index_sequence<K>{});
+      const RowWeights<M> w = row_weights<M>(loss_, weights_[i], r, Curvature::irls);
+      double Jd[M];
+      apply_jacobians(J.all.data(), offsets + static_cast<std::ptrdiff_t>(i) * K, 0, 1, delta, Jd);
+      Vector<M> weighted;
+      for (int m = 0; m < M; ++m) weighted[m] = w.gradient[m] * 2 / h * ((r_moved[m] - r[m]) / h - Jd[m]);
+      for (int n = 0; n < N; ++n) out[n] = J.all.col(n).dot(weighted);
+      out[N] = 0;
     }
   }
 

@@ -14,11 +14,23 @@ GradientEvaluator::GradientEvaluator(const Graph& graph) : chunks_(chunks_of(gra
 
 double GradientEvaluator::operator()(const Graph& graph, const Resolved& resolved, const Values& values, std::vector<double>& gradient,
                                      ThreadPool* pool) {
-  parallel_for(pool, static_cast<int>(chunks_.size()), [&](int c) {
-    const Chunk& chunk = chunks_[c];
-    graph.batches()[chunk.batch]->gradients(values, resolved.batches()[chunk.batch].index.data(), chunk.first, chunk.last, &contributions_[begin_[c]]);
+  return sum(graph, resolved, gradient, pool, [&](const Chunk& chunk, double* out) {
+    graph.batches()[chunk.batch]->gradients(values, resolved.batches()[chunk.batch].index.data(), chunk.first, chunk.last, out);
   });
-  gradient.assign(resolved.tangent_dim(), 0.0);
+}
+
+void GradientEvaluator::curvature(const Graph& graph, const Resolved& resolved, const Values& values, const Values& moved, double h, const double* delta,
+                                  const std::vector<std::vector<int>>& offsets, std::vector<double>& out, ThreadPool* pool) {
+  sum(graph, resolved, out, pool, [&](const Chunk& chunk, double* part) {
+    graph.batches()[chunk.batch]->curvatures(values, moved, h, delta, resolved.batches()[chunk.batch].index.data(), offsets[chunk.batch].data(),
+                                             chunk.first, chunk.last, part);
+  });
+}
+
+template <class Fill>
+double GradientEvaluator::sum(const Graph& graph, const Resolved& resolved, std::vector<double>& out, ThreadPool* pool, const Fill& fill) {
+  parallel_for(pool, static_cast<int>(chunks_.size()), [&](int c) { fill(chunks_[c], &contributions_[begin_[c]]); });
+  out.assign(resolved.tangent_dim(), 0.0);
   double cost = 0;
   const double* part = contributions_.data();
   for (const Chunk& chunk : chunks_) {  // factor by factor: the order of the sum does not depend on the threads
@@ -28,7 +40,7 @@ double GradientEvaluator::operator()(const Graph& graph, const Resolved& resolve
       for (int k = 0; k < factors.arity(); ++k) {
         const int offset = resolved.variables()[*variable++].offset;
         for (int c = 0; c < factors.dims()[k]; ++c, ++part)
-          if (offset >= 0) gradient[offset + c] += *part;
+          if (offset >= 0) out[offset + c] += *part;
       }
       cost += *part++;
     }

@@ -12,7 +12,15 @@ class GradientEvaluator {
   /// Returns the cost; gradient: in Resolved's tangent. The same bits for any number of threads.
   double operator()(const Graph& graph, const Resolved& resolved, const Values& values, std::vector<double>& gradient, ThreadPool* pool = nullptr);
 
+  /// Jᵀ W r̈ along delta (FactorBatch::curvatures), in Resolved's tangent; offsets: by batch, of each variable of each factor.
+  void curvature(const Graph& graph, const Resolved& resolved, const Values& values, const Values& moved, double h, const double* delta,
+                 const std::vector<std::vector<int>>& offsets, std::vector<double>& out, ThreadPool* pool = nullptr);
+
  private:
+  /// fill(chunk, out) writes the contributions of a chunk's factors; returns the sum of the costs.
+  template <class Fill>
+  double sum(const Graph& graph, const Resolved& resolved, std::vector<double>& out, ThreadPool* pool, const Fill& fill);
+
   std::vector<Chunk> chunks_;
   std::vector<std::size_t> begin_;  ///< of each chunk's part of contributions_
   std::vector<double> contributions_;

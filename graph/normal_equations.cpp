@@ -200,4 +200,11 @@ void NormalEquations::to_tangent(const Resolved& resolved, const double* ordered
   }
 }
 
+void NormalEquations::from_tangent(const Resolved& resolved, const double* tangent, double* ordered) const {
+  for (std::size_t i = 0; i < order_.size(); ++i) {
+    const Resolved::Variable& v = resolved.variables()[order_[i]];
+    std::copy_n(tangent + v.offset, v.dim, ordered + pattern_.offsets[i]);
+  }
+}
+
 }  // namespace holdfast

@@ -35,6 +35,7 @@ class NormalEquations {
   const std::vector<int>& order() const { return order_; }
   /// Between the elimination order and Resolved's tangent.
   void to_tangent(const Resolved& resolved, const double* ordered, double* tangent) const;
+  void from_tangent(const Resolved& resolved, const double* tangent, double* ordered) const;
 
  private:
   // Where a factor's contributions go: for each of its blocks, then for each of its variables' gradients.

@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kMaxIterations = 100;
 constexpr double kRounding = 1e-14;  // of the cost: a predicted decrease below this cannot be measured
+constexpr double kLinearGain = 0.1;  // actual over predicted decrease this near to 1: the residuals are straight enough as they are
 
 }  // namespace
 
@@ -47,13 +48,16 @@ void Irls::minimize_nonlinear(const Graph& graph, Progress& progress) {
   if (!progress.begin(first, graph, w.resolved, w.best)) return;
   double gradient_norm = max_norm(w.normal.gradient());
   w.damper = Damping();
+  w.bends = false;
   while (!progress.gradient_is_flat(gradient_norm) && progress.go_on(gradient_norm)) {
     double cost = summary.cost, predicted = 0;
     if (!step_nonlinear(graph, progress, gradient_norm, cost, predicted)) break;
     const double before = summary.cost;
     std::swap(w.best, w.candidate);
     summary.cost = cost;
-    w.damper.accept((before - cost) / predicted);
+    const double gain = (before - cost) / predicted;
+    w.damper.accept(gain);
+    w.bends = std::abs(gain - 1) > kLinearGain;
     w.normal.linearize(graph, w.resolved, w.best, model, &w.pool);
     progress.watch.lap(summary.seconds_linearize);
     gradient_norm = max_norm(w.normal.gradient());
@@ -73,6 +77,7 @@ bool Irls::step_nonlinear(const Graph& graph, Progress& progress, double gradien
     progress.watch.lap(summary.seconds_solve);
     if (std::isfinite(predicted)) {
       w.normal.to_tangent(w.resolved, w.step.data(), w.tangent.data());
+      if (w.bends) w.accelerate(graph);
       w.resolved.retract(w.best, w.tangent.data(), w.candidate);
       cost = w.resolved.cost(graph, w.candidate, &w.pool);
       progress.watch.lap(summary.seconds_linearize);
@@ -82,6 +87,7 @@ bool Irls::step_nonlinear(const Graph& graph, Progress& progress, double gradien
       progress.end(Termination::converged, "the model predicts no decrease beyond cost_tolerance");
       return false;
     }
+    w.bends = true;
     if (!w.damper.reject()) {
       progress.end(Termination::converged, "no step, however short, lowers the cost");
       return false;

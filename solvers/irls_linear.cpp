@@ -82,8 +82,6 @@ Phi phi_of(const Graph& graph, const std::vector<std::vector<double>>& r, const 
 void Irls::Workspace::evaluate_linear(const Graph& graph) {
   const std::size_t batches = graph.batches().size();
   for (auto* arrays : {&r, &J, &Jd}) arrays->resize(batches);
-  const bool first = offsets.empty();
-  offsets.resize(batches);
   for (std::size_t b = 0; b < batches; ++b) {
     const FactorBatch& batch = *graph.batches()[b];
     const std::size_t rows = static_cast<std::size_t>(batch.size()) * batch.residual_dim();
@@ -91,8 +89,6 @@ void Irls::Workspace::evaluate_linear(const Graph& graph) {
     Jd[b].resize(rows);
     J[b].resize(rows * batch.total_dim());
     batch.evaluate(best, resolved.batches()[b].index.data(), 0, batch.size(), r[b].data(), J[b].data());
-    if (first)
-      for (int v : resolved.batches()[b].variable) offsets[b].push_back(resolved.variables()[v].offset);
   }
 }
 

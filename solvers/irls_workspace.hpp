@@ -1,6 +1,7 @@
 // What the in-house second-order back-end keeps between solves of one structure. Internal.
 #pragma once
 
+#include <holdfast/graph/gradient.hpp>
 #include <holdfast/solvers/block_cholesky.hpp>
 #include <holdfast/solvers/irls.hpp>
 #include <holdfast/solvers/minimizer.hpp>
@@ -26,13 +27,16 @@ struct Irls::Workspace {
   Symbolic symbolic;
   NormalEquations normal;
   BlockCholesky cholesky;
+  GradientEvaluator gradients;
   ThreadPool pool;
   Damping damper;
+  bool bends = false;  // the last step fell short of its model: the residuals are curved here
   Values best, candidate;
   std::vector<double> damping, diagonal, rhs, step, tangent;
-  // Of linear problems only: residuals, Jacobians and J δ of each batch, and where each variable's part of δ begins.
+  std::vector<std::vector<int>> offsets;  // by batch: where each variable's part of a tangent begins
+  std::vector<double> bend, acceleration;
+  // Of linear problems only: residuals, Jacobians and J δ of each batch.
   std::vector<std::vector<double>> r, J, Jd;
-  std::vector<std::vector<int>> offsets;
   std::vector<double> total;  // the way from the start, in the tangent
 
   Workspace(const Graph& graph, const Values& values, int threads);
@@ -41,6 +45,9 @@ struct Irls::Workspace {
   /// matrix is not positive definite.
   double solve_damped(double lambda);
   void read_diagonal();
+
+  /// Bends the step `tangent` along the curve of the residuals (geodesic acceleration); false where the curve is too strong for that.
+  bool accelerate(const Graph& graph);
 
   void evaluate_linear(const Graph& graph);  ///< r and J at `best`
   void apply_step(const Graph& graph);       ///< tangent from step, Jd from tangent

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <holdfast/graph/normal_equations.hpp>
 
 #include "../problems.hpp"
 
