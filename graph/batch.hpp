@@ -16,8 +16,8 @@ namespace holdfast {
 #define HOLDFAST_NOINLINE __attribute__((noinline))
 
 /// How a robust term enters H (the gradient is always exact): irls: w ρ' JᵀJ; newton: the second derivative of ½ρ(‖r‖²) with
-/// J held, ρ' JᵀJ + 2ρ'' (Jᵀr)(Jᵀr)ᵀ, cut off where it would turn negative.
-enum class Curvature { irls, newton };
+/// J held, ρ' JᵀJ + 2ρ'' (Jᵀr)(Jᵀr)ᵀ, cut off where it would turn negative; bound: w ρ'(0) JᵀJ, which no concave ρ exceeds.
+enum class Curvature { irls, newton, bound };
 
 class FactorBatch {
  public:
@@ -116,15 +116,16 @@ RowWeights<M> row_weights(const Loss& loss, double weight, const Vector<M>& r, C
       const Rho rho = loss.rho_of_component(r[c]);
       sum += rho.value;
       w.gradient[c] = weight * rho.first;
-      w.hessian[c] = curvature == Curvature::irls ? w.gradient[c] : weight * std::max(rho.first + 2 * r[c] * r[c] * rho.second, kLeast * rho.first);
+      w.hessian[c] = curvature == Curvature::newton ? weight * std::max(rho.first + 2 * r[c] * r[c] * rho.second, kLeast * rho.first) : w.gradient[c];
     }
+    if (curvature == Curvature::bound) w.hessian.setConstant(weight * loss.rho(0, 1).first);
     w.cost = 0.5 * weight * sum;
     return w;
   }
   const double s = r.squaredNorm();
   const Rho rho = loss.rho(s, M);
   w.gradient.setConstant(weight * rho.first);
-  w.hessian = w.gradient;
+  w.hessian.setConstant(weight * (curvature == Curvature::bound ? loss.rho(0, M).first : rho.first));
   if (curvature == Curvature::newton && s > 0) w.rank_one = weight * std::max(2 * rho.second, -(1 - kLeast) * rho.first / s);
   w.cost = 0.5 * weight * rho.value;
   return w;

@@ -177,6 +177,7 @@ ceres::Solver::Options CeresBackend::solver_options(const Resolved& resolved) co
   o.max_solver_time_in_seconds = std::min(options.time_limit, 1e9);
   o.initial_trust_region_radius = variant_.trust_region_radius;
   o.max_trust_region_radius = 1e32;
+  o.max_num_consecutive_invalid_steps = 100;  // from 1e32 down to where a singular H becomes definite
   if (variant_.dogleg) o.trust_region_strategy_type = ceres::DOGLEG;
   return o;
 }

@@ -8,6 +8,7 @@ namespace {
 
 constexpr int kMaxIterations = 100;
 constexpr double kRounding = 1e-14;  // of the cost: a predicted decrease below this cannot be measured
+constexpr double kConvergedDamping = 1e-2;  // a step damped more than this is short because of λ, not because the minimum is near
 constexpr double kLinearGain = 0.1;  // actual over predicted decrease this near to 1: the residuals are straight enough as they are
 
 }  // namespace
@@ -61,7 +62,7 @@ void Irls::minimize_nonlinear(const Graph& graph, Progress& progress) {
     w.normal.linearize(graph, w.resolved, w.best, model, &w.pool);
     progress.watch.lap(summary.seconds_linearize);
     gradient_norm = max_norm(w.normal.gradient());
-    if (progress.decrease_is_small(before, cost)) break;
+    if (w.damper.lambda() <= kConvergedDamping && progress.decrease_is_small(before, cost)) break;
   }
   summary.gradient_norm = gradient_norm;
 }

@@ -1,6 +1,6 @@
 #include <cmath>
 #include <holdfast/graph/gradient.hpp>
-#include <holdfast/solvers/block_preconditioner.hpp>
+#include <holdfast/solvers/chain_preconditioner.hpp>
 #include <holdfast/solvers/minimizer.hpp>
 #include <holdfast/solvers/nesterov.hpp>
 
@@ -10,6 +10,7 @@ namespace {
 constexpr int kMaxIterations = 10000;
 constexpr double kRounding = 1e-14;     // of the cost: what a comparison of two costs can tell
 constexpr double kMostLipschitz = 1e30; // in the metric P, where 2 bounds any graph of pairwise linear factors
+constexpr double kSteep = 8;            // an L above this says that P misses curvature
 constexpr int kPatience = 50;           // iterations over which a slow decrease is measured
 
 }  // namespace
@@ -17,7 +18,7 @@ constexpr int kPatience = 50;           // iterations over which a slow decrease
 struct Nesterov::Workspace {
   Resolved resolved;
   GradientEvaluator evaluate;
-  BlockPreconditioner preconditioner;
+  ChainPreconditioner preconditioner;
   ThreadPool pool;
   Values x, y, next;
   std::vector<double> gradient, direction, step, move;
@@ -71,7 +72,7 @@ Summary Nesterov::minimize(const Graph& graph, Values& values) {
     const double cost_y = w.evaluate(graph, w.resolved, w.y, w.gradient, &w.pool);
     gradient_norm = max_norm(w.gradient);
     if (plain && progress.gradient_is_flat(gradient_norm)) break;
-    const double norm2 = w.preconditioner.apply(w.gradient, w.direction);
+    const double norm2 = w.preconditioner.apply(w.resolved, w.gradient, w.direction);
     ++summary.iterations;
     const double cost = std::isfinite(cost_y) && std::isfinite(norm2) ? w.backtrack(graph, cost_y, norm2, L) : NAN;
     if (!(cost < summary.cost)) {  // momentum went too far: once more from x, without it
@@ -80,6 +81,7 @@ Summary Nesterov::minimize(const Graph& graph, Values& values) {
         break;
       }
       w.preconditioner.update(graph, w.resolved, w.x, &w.pool);
+      if (L > kSteep) w.preconditioner.round_off();
       w.y.assign(w.x);
       t = L = 1;
       plain = true;
@@ -91,6 +93,11 @@ Summary Nesterov::minimize(const Graph& graph, Values& values) {
     plain = t == 1 || uphill;
     if (uphill) w.y.assign(w.x);
     t = uphill ? 1 : t_next;
+    if (L > kSteep && w.preconditioner.round_off()) {
+      w.y.assign(w.x);
+      t = L = 1;
+      plain = true;
+    }
     L *= 0.98;  // what the last bound no longer needs
     if (summary.iterations % kPatience == 0) {
       if (norm2 / 2 <= options.cost_tolerance * summary.cost && progress.decrease_is_small(patience_cost, summary.cost)) break;

@@ -45,11 +45,19 @@ BlockGraph block_graph(const Graph& graph, const Resolved& resolved, std::vector
 
 std::vector<int> minimum_degree_order(const BlockGraph& graph) {
   using Pattern = Eigen::SparseMatrix<char>;
-  const std::vector<char> ones(graph.neighbours.size(), 1);
-  const Eigen::Map<const Pattern> adjacency(graph.size(), graph.size(), static_cast<Eigen::Index>(graph.neighbours.size()), graph.begin.data(),
-                                            graph.neighbours.data(), ones.data());
+  Pattern adjacency(graph.size(), graph.size());
+  adjacency.reserve(static_cast<Eigen::Index>(graph.neighbours.size() + graph.dims.size()));
+  for (int i = 0; i < graph.size(); ++i) {
+    adjacency.startVec(i);
+    const auto first = graph.neighbours.begin() + graph.begin[i], last = graph.neighbours.begin() + graph.begin[i + 1];
+    const auto diagonal = std::lower_bound(first, last, i);  // a node without its diagonal Eigen would take for a dense row
+    for (auto j = first; j != diagonal; ++j) adjacency.insertBack(*j, i) = 1;
+    adjacency.insertBack(i, i) = 1;
+    for (auto j = diagonal; j != last; ++j) adjacency.insertBack(*j, i) = 1;
+  }
+  adjacency.finalize();
   Eigen::AMDOrdering<int>::PermutationType permutation;
-  Eigen::AMDOrdering<int>()(Pattern(adjacency).selfadjointView<Eigen::Lower>(), permutation);
+  Eigen::AMDOrdering<int>()(adjacency, permutation);
   return {permutation.indices().data(), permutation.indices().data() + permutation.indices().size()};
 }
 

@@ -156,9 +156,9 @@ TEST(Doctor, VelocityThatNobodyMeasures) {
   graph.add(HuberMeasurement<Motion2>::of_position({1, 2}, {0, 0}, Matrix<2, 2>(Matrix<2, 2>::Identity())), {A(0)});
   Values values;
   values.insert(A(0), Motion2(0, 0, 0, 0));
-  const auto findings = of_kind(check(graph, values), Kind::unconstrained_direction);
-  ASSERT_EQ(findings.size(), 2u);
-  EXPECT_THAT(findings[0].text + findings[1].text, ::testing::AllOf(HasSubstr("direction 1"), HasSubstr("direction 3")));
+  const auto findings = check(graph, values);
+  EXPECT_EQ(of_kind(findings, Kind::unconstrained_direction).size(), 2u) << all_texts(findings);
+  EXPECT_THAT(all_texts(findings), ::testing::AllOf(HasSubstr("direction 1"), HasSubstr("direction 3")));
 }
 
 TEST(Doctor, PoseGraphWithoutAPriorCanMove) {
@@ -173,7 +173,7 @@ TEST(Doctor, PoseGraphWithoutAPriorCanMove) {
   for (const char* part : {"translation x", "translation y", "rotation", "5 variables", "agent A"})
     EXPECT_THAT(finding.text, HasSubstr(part));
   Graph fixed = in_plane();
-  fixed.fix(A(2));
+  fixed.fix(A(0));
   EXPECT_EQ(all_texts(check(fixed, values)), "");
 }
 

@@ -208,10 +208,11 @@ bool has_kink(const Loss& loss) { return loss.kind == Loss::Kind::TruncatedSquar
 TEST(NormalEquations, NewtonIsTheSecondDerivativeWhereThatIsPositive) {
   int positive = 0;
   for (int kind = 0; kind < kLossKinds; ++kind)
-    for (const Loss& loss : {default_loss(kind), per_component(default_loss(kind))})
+    for (Loss loss : {default_loss(kind), per_component(default_loss(kind))})
       for (const double size : {0.2, 0.7, 1.5, 4.0}) {
         SCOPED_TRACE(loss.str() + " at " + std::to_string(size));
         if (has_kink(loss)) continue;
+        if (loss.kind == Loss::Kind::Absolute) loss.scale = 0.5;  // wide against the step of the differences
         MatrixXd numeric;
         const Dense newton = newton_of_one_factor(loss, Motion2(size, -0.5 * size, 0.3 * size, 0.9 * size), numeric);
         EXPECT_GT(newton.H.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-12);

@@ -89,7 +89,9 @@ TEST(Resolved, MatchesUntilAStructureChanges) {
   EXPECT_TRUE(resolved.matches(Graph(problem.graph), Values(problem.start)));
   problem.start.at<Pose2>(A(0)).p[0] += 1;
   EXPECT_TRUE(resolved.matches(problem.graph, problem.start));
-  EXPECT_FALSE(resolved.matches(problem.graph, problem.truth));
+  Values more = problem.start;
+  more.insert(L(50), Point2(0, 0));
+  EXPECT_FALSE(resolved.matches(problem.graph, more));
   problem.graph.fix(A(0));
   EXPECT_FALSE(resolved.matches(problem.graph, problem.start));
 }

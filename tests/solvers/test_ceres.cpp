@@ -41,6 +41,18 @@ TEST(Ceres, CountsWhatOnlyFixedVariablesCost) {
   EXPECT_NEAR(summary.cost, problem.graph.cost(values), 1e-12 * summary.cost);
 }
 
+// The library prints nothing, whatever Ceres has to say about a matrix.
+TEST(Ceres, IsQuietWhereTheNormalEquationsAreSingular) {
+  Graph graph;
+  graph.add(Between<Point2>::from_sigmas(Point2(1, 0), Vector<2>(0.1, 0.1)), {Key('A', 0), Key('A', 1)});
+  Values values;
+  values.insert(Key('A', 0), Point2(0, 0));
+  values.insert(Key('A', 1), Point2(0, 1));
+  ::testing::internal::CaptureStderr();
+  solve("ceres", graph, values);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
 TEST(Ceres, VariantsDifferInTheWayNotInTheEnd) {
   const auto problem = slam<Pose3>(5, 15, 0.1, Huber{2}, 0.1);
   for (const CeresVariant& variant : kCeresVariants) {
