@@ -3,7 +3,7 @@
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/range.hpp>
 #include <holdfast/factors/relative_point.hpp>
-#include <holdfast/graph/start.hpp>
+#include <holdfast/graph/chordal.hpp>
 #include <map>
 
 namespace holdfast {
@@ -14,7 +14,7 @@ class Builder {
   Builder(const Dataset& dataset, const ProblemOptions& options) : dataset_(dataset), options_(options) {}
 
   Problem build() {
-    problem_.start = options_.start == ProblemOptions::Start::file ? vertex_start(dataset_) : odometry_start(dataset_, options_.seed);
+    problem_.start = start();
     const std::vector<bool> odometry = odometry_edges(dataset_);
     for (std::size_t i = 0; i < dataset_.edges.size(); ++i) {
       const Loss loss = odometry[i] ? Loss{} : options_.loss;
@@ -27,6 +27,17 @@ class Builder {
   }
 
  private:
+  Values start() const {
+    switch (options_.start) {
+      case ProblemOptions::Start::odometry:
+        return odometry_start(dataset_, options_.seed);
+      case ProblemOptions::Start::chordal:
+        return chordal_start(dataset_);
+      default:
+        return vertex_start(dataset_);
+    }
+  }
+
   template <class V>
   FactorId add(const RelativePoseEdge<V>& edge, const Loss& loss) {
     return problem_.graph.add(Between<V>::from_information(edge.measured, edge.information()), {edge.first, edge.second}, loss);
@@ -105,6 +116,13 @@ class Builder {
 };
 
 }  // namespace
+
+ProblemOptions::Start start_named(const std::string& name) {
+  if (name == "file") return ProblemOptions::Start::file;
+  if (name == "odometry") return ProblemOptions::Start::odometry;
+  if (name == "chordal") return ProblemOptions::Start::chordal;
+  fail<BadOption>("there is no start '", name, "'; there are: file odometry chordal");
+}
 
 Problem make_problem(const Dataset& dataset, const ProblemOptions& options) { return Builder(dataset, options).build(); }
 

@@ -7,11 +7,14 @@
 namespace holdfast {
 
 struct ProblemOptions {
-  enum class Start { file, odometry };
+  enum class Start { file, odometry, chordal };
   Loss loss;                   ///< of every measurement but the odometry between consecutive poses and the priors
-  Start start = Start::file;   ///< vertex_start or odometry_start (graph/start.hpp)
+  Start start = Start::file;   ///< vertex_start or odometry_start (graph/start.hpp), or chordal_start (graph/chordal.hpp)
   unsigned seed = 0;           ///< of the landmarks' start in odometry_start
 };
+
+/// "file", "odometry" or "chordal"; else BadOption.
+ProblemOptions::Start start_named(const std::string& name);
 
 struct Problem {
   Graph graph;

@@ -73,6 +73,11 @@ int bench(const BenchArguments& arguments, Terminal& terminal) {
   if (error) fail<BadFile>("cannot make the directory ", arguments.out, ": ", error.message(), "; give another with --out");
   bool all_is_well = true;
   for (const Suite& suite : chosen) {
+    if (suite.race != nullptr) {
+      Journal journal((fs::path(arguments.out) / (std::string(suite.name) + ".jsonl")).string());
+      if (!suite.race(options, journal, terminal)) all_is_well = false;
+      continue;
+    }
     print_rules(terminal.out, suite, options);
     terminal.out.flush();
     Journal journal((fs::path(arguments.out) / (std::string(suite.name) + ".jsonl")).string());

@@ -17,8 +17,8 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
   command->add_option("--backend", arguments.backends, "comma-separated names, or all")->capture_default_str();
   command->add_option("--loss", arguments.loss, "of every measurement but the odometry between consecutive poses: huber:2, cauchy:1, …")
       ->capture_default_str();
-  command->add_option("--start", arguments.start, "file: its vertices; odometry: dead reckoning")
-      ->check(CLI::IsMember({"file", "odometry"}))
+  command->add_option("--start", arguments.start, "file: its vertices; odometry: dead reckoning; chordal: rotations first, as a linear problem")
+      ->check(CLI::IsMember({"file", "odometry", "chordal"}))
       ->capture_default_str();
   command->add_option("--threads", arguments.threads)->capture_default_str();
   command->add_option("--max-iterations", arguments.max_iterations, "0: the back-end's own limit")->capture_default_str();
@@ -42,7 +42,7 @@ struct Plan {
 Plan plan_of(const SolveArguments& arguments) {
   Plan plan;
   plan.problem.loss = Loss::parse(arguments.loss);
-  plan.problem.start = arguments.start == "file" ? ProblemOptions::Start::file : ProblemOptions::Start::odometry;
+  plan.problem.start = start_named(arguments.start);
   plan.problem.seed = arguments.seed;
   plan.backends = backends_of(arguments.backends);
   plan.options.threads = arguments.threads;

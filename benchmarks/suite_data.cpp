@@ -5,23 +5,6 @@
 
 namespace holdfast::bench {
 namespace fs = std::filesystem;
-namespace {
-
-Case file_case(const std::string& root, const std::string& file, const std::string& loss, const std::string& start, unsigned seed) {
-  const std::string path = (fs::path(root) / file).string();
-  ProblemOptions options;
-  options.loss = Loss::parse(loss);
-  options.start = start == "file" ? ProblemOptions::Start::file : ProblemOptions::Start::odometry;
-  options.seed = seed;
-  Case one{file, loss, start, [path, options] { return load(path, options).instance; }};
-  if (root.empty())
-    one.absent = "no data directory: set HOLDFAST_DATA";
-  else if (!fs::is_regular_file(path))
-    one.absent = "there is no " + path;
-  return one;
-}
-
-}  // namespace
 
 std::string data_directory() {
   if (const char* chosen = std::getenv("HOLDFAST_DATA"); chosen != nullptr && *chosen != 0) return chosen;
@@ -31,13 +14,12 @@ std::string data_directory() {
 }
 
 std::vector<Case> data_cases(unsigned seed) {
-  const std::string root = data_directory();
   std::vector<Case> cases;
   for (const char* name : {"plaza2", "single_drone", "tiers", "mrclam5a", "goats_14"})
     for (const char* loss : {"squared", "huber:2"})
-      cases.push_back(file_case(root, "range/" + std::string(name) + ".pyfg", loss, "odometry", seed));
+      cases.push_back(data_case("range/" + std::string(name) + ".pyfg", loss, "odometry", seed));
   for (const char* name : {"intel", "MIT", "M3500", "sphere2500", "smallGrid3D", "tinyGrid3D"})
-    cases.push_back(file_case(root, "pose_graph/" + std::string(name) + ".g2o", "squared", "file", seed));
+    cases.push_back(data_case("pose_graph/" + std::string(name) + ".g2o", "squared", "file", seed));
   return cases;
 }
 

@@ -1,13 +1,19 @@
 #include <algorithm>
+#include <filesystem>
 #include <holdfast/benchmarks/suites.hpp>
 
 namespace holdfast::bench {
+namespace fs = std::filesystem;
 
 const std::vector<Suite>& suites() {
   static const std::vector<Suite> all{
       {"scenarios", "made from the seed: motion with outliers, range balls, ranges and bearings half lost, false loop closures", true,
        10000, scenario_cases},
       {"data", "real range and pose-graph data", true, 1000, data_cases},
+      {"window", "a race: 1,000 windows of paper A, one after the other", false, 200, [](unsigned) { return std::vector<Case>(); },
+       race_windows},
+      {"range", "a race: real range data from odometry", false, 1000, range_cases, race_ranges},
+      {"pose-graph", "a race: pose graphs, and how time grows with their size", false, 1000, pose_graph_cases, race_pose_graphs},
   };
   return all;
 }
@@ -23,6 +29,17 @@ std::vector<Suite> suites_of(const std::vector<std::string>& names) {
     fail<BadOption>("there is no suite '", name, "'; there are:", known);
   }
   return chosen;
+}
+
+Case data_case(const std::string& file, const std::string& loss, const std::string& start, unsigned seed) {
+  const std::string root = data_directory(), path = (fs::path(root) / file).string();
+  const ProblemOptions options{Loss::parse(loss), start_named(start), seed};
+  Case one{file, loss, start, [path, options] { return load(path, options).instance; }};
+  if (root.empty())
+    one.absent = "no data directory: set HOLDFAST_DATA";
+  else if (!fs::is_regular_file(path))
+    one.absent = "there is no " + path;
+  return one;
 }
 
 }  // namespace holdfast::bench

@@ -26,8 +26,8 @@ struct AutoDiff<F, variables<V...>> : F {
   using Variables = variables<V...>;
 
   Vector<F::residual_dim> operator()(const V&... x, Jacobians<AutoDiff>* J = nullptr) const {
-    if (J == nullptr) return F::template residual<double>(x...);
-    return differentiated(std::index_sequence_for<V...>{}, *J, x...);
+    if (J != nullptr) differentiate(std::index_sequence_for<V...>{}, *J, x...);
+    return F::template residual<double>(x...);  // the same bits with and without Jacobians
   }
   static std::string name() { return factor_name<F>(); }
 
@@ -35,14 +35,9 @@ struct AutoDiff<F, variables<V...>> : F {
   using D = Dual<Variables::total_dim>;
 
   template <std::size_t... I>
-  Vector<F::residual_dim> differentiated(std::index_sequence<I...>, Jacobians<AutoDiff>& J, const V&... x) const {
+  void differentiate(std::index_sequence<I...>, Jacobians<AutoDiff>& J, const V&... x) const {
     const VectorT<D, F::residual_dim> r = F::template residual<D>(seeded<I>(x)...);
-    Vector<F::residual_dim> value;
-    for (int row = 0; row < F::residual_dim; ++row) {
-      value[row] = r[row].a;
-      J.all.row(row) = r[row].v.transpose();
-    }
-    return value;
+    for (int row = 0; row < F::residual_dim; ++row) J.all.row(row) = r[row].v.transpose();
   }
 
   /// The variable moved by an infinitesimal along its own tangent columns.

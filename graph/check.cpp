@@ -82,9 +82,9 @@ class Doctor {
   }
 
   bool check_residuals(const Resolved& resolved) {
-    const std::string culprit = resolved.first_non_finite(graph_, values_);
-    if (culprit.empty()) return true;
-    add(Kind::bad_residual, Severity::error, culprit + "; check its measurement and its start", {});
+    const Resolved::Culprit culprit = resolved.first_non_finite(graph_, values_);
+    if (culprit.text.empty()) return true;
+    add(Kind::bad_residual, Severity::error, culprit.text + "; check its measurement and its start", culprit.keys);
     return false;
   }
 

@@ -24,6 +24,19 @@ Graph& Graph::operator=(const Graph& other) {
   return *this;
 }
 
+// What is left behind is empty, and has another structure than what was taken.
+Graph::Graph(Graph&& other) noexcept : Graph() { *this = std::move(other); }
+
+Graph& Graph::operator=(Graph&& other) noexcept {
+  if (this == &other) return *this;
+  batches_ = std::exchange(other.batches_, {});
+  places_ = std::exchange(other.places_, {});
+  free_ = std::exchange(other.free_, {});
+  fixed_ = std::exchange(other.fixed_, {});
+  structure_ = std::exchange(other.structure_, new_structure_stamp());
+  return *this;
+}
+
 void Graph::check_new(std::string (*name)(), const Key* keys, std::size_t count, const Loss& loss, int residual_dim, double weight) const {
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t j = 0; j < i; ++j)
@@ -92,6 +105,18 @@ void Graph::remove(FactorId id) {
   places_[id.number] = {-1, -1, gone.generation + 1};
   free_.push_back(id.number);
   structure_ = new_structure_stamp();
+}
+
+void Graph::set_weight(FactorId id, double weight) {
+  const Place& place = checked(id);
+  if (!(std::isfinite(weight) && weight >= 0))
+    fail<BadNumber>(batches_[place.batch]->describe(place.index), ": weight = ", weight, " must be finite and >= 0; to leave a factor out, remove it");
+  batches_[place.batch]->weights_[place.index] = weight;
+}
+
+void Graph::set_loss(int batch, const Loss& loss) {
+  loss.validate(batches_[batch]->residual_dim());
+  batches_[batch]->loss_ = loss;
 }
 
 void Graph::fix(Key key) {

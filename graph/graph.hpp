@@ -18,9 +18,9 @@ class Graph {
  public:
   Graph();
   Graph(const Graph& other);
-  Graph(Graph&&) = default;
+  Graph(Graph&& other) noexcept;
   Graph& operator=(const Graph& other);
-  Graph& operator=(Graph&&) = default;
+  Graph& operator=(Graph&& other) noexcept;
 
   template <class F>
   using Keys = std::array<Key, F::Variables::size>;
@@ -64,6 +64,11 @@ class Graph {
     if (batch.factor_type() != typeid(F)) fail<BadType>("factor ", batch.describe(place.index), " is no ", factor_name<F>());
     return static_cast<const Batch<F>&>(batch).factors()[place.index];
   }
+
+  /// Changes the weight of a factor; the structure stays. Throws BadKey, BadNumber.
+  void set_weight(FactorId id, double weight);
+  /// Changes the loss of a whole batch; the structure stays. Throws BadNumber, BadOption.
+  void set_loss(int batch, const Loss& loss);
 
   /// A fixed variable is a constant of the problem.
   void fix(Key key);

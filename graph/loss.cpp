@@ -22,8 +22,8 @@ Rho huber(double s, double a) {
 
 Rho tukey(double s, double c2) {
   if (s > c2) return {c2 / 3, 0, 0};
-  const double u = 1 - s / c2;
-  return {c2 / 3 * (1 - u * u * u), u * u, -2 * u / c2};
+  const double t = s / c2, u = 1 - t;
+  return {s * (1 - t + t * t / 3), u * u, -2 * u / c2};  // = c²/3 (1 − u³), without the cancellation near 0
 }
 
 }  // namespace

@@ -165,10 +165,12 @@ MatrixXd find_gauge(Component& component, const Resolved& resolved, const Values
   for (int space : {2, 3}) {
     const MatrixXd G = rigid_motions(component, resolved, values, scaled, space);
     if (G.isZero(0)) continue;
-    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(G).householderQ() * MatrixXd::Identity(G.rows(), G.cols());
+    Eigen::ColPivHouseholderQR<MatrixXd> qr(G);
+    qr.setThreshold(1e-9);  // fewer motions than columns: one point cannot turn about itself
+    const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(G.rows(), qr.rank());
     const MatrixXd quotient = Q.transpose() * (scaled.H.selfadjointView<Eigen::Lower>() * Q);
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(quotient);
-    for (int k = 0; k < G.cols(); ++k) {
+    for (int k = 0; k < Q.cols(); ++k) {
       if (eigen.eigenvalues()[k] > kGaugeNull) continue;
       const VectorXd free = Q * eigen.eigenvectors().col(k);
       Eigen::Index named = 0;  // the rigid motion it is most like, that has not been named yet

@@ -59,13 +59,19 @@ std::vector<Chunk> chunks_of(const Graph& graph, int factors_per_chunk) {
 }
 
 double Resolved::cost(const Graph& graph, const Values& values, ThreadPool* pool) const {
-  const std::vector<Chunk> chunks = chunks_of(graph, 512);
-  std::vector<double> sums(chunks.size());
-  parallel_for(pool, static_cast<int>(chunks.size()), [&](int c) {
-    const Chunk& chunk = chunks[c];
-    sums[c] = graph.batches()[chunk.batch]->cost(values, batches_[chunk.batch].index.data(), chunk.first, chunk.last);
-  });
+  constexpr int kFactorsPerChunk = 512;
+  const auto cost_of = [&](int b, int first, int last) { return graph.batches()[b]->cost(values, batches_[b].index.data(), first, last); };
   double total = 0;
+  if (pool == nullptr || pool->threads() == 1) {  // the same sums in the same order, and nothing allocated
+    for (std::size_t b = 0; b < batches_.size(); ++b) {
+      const int size = graph.batches()[b]->size();
+      for (int i = 0; i < size; i += kFactorsPerChunk) total += cost_of(static_cast<int>(b), i, std::min(size, i + kFactorsPerChunk));
+    }
+    return total;
+  }
+  const std::vector<Chunk> chunks = chunks_of(graph, kFactorsPerChunk);
+  std::vector<double> sums(chunks.size());
+  pool->run(static_cast<int>(chunks.size()), [&](int c) { sums[c] = cost_of(chunks[c].batch, chunks[c].first, chunks[c].last); });
   for (double sum : sums) total += sum;
   return total;
 }
@@ -80,7 +86,7 @@ void Resolved::local(const Values& from, const Values& to, double* delta) const 
     if (v.offset >= 0) from.pool(v.pool).local(v.index, to.pool(v.pool), delta + v.offset);
 }
 
-std::string Resolved::first_non_finite(const Graph& graph, const Values& values) const {
+Resolved::Culprit Resolved::first_non_finite(const Graph& graph, const Values& values) const {
   std::vector<double> r;
   for (std::size_t b = 0; b < batches_.size(); ++b) {
     const FactorBatch& batch = *graph.batches()[b];
@@ -97,7 +103,7 @@ std::string Resolved::first_non_finite(const Graph& graph, const Values& values)
         for (int c = 0; c < pool.ambient(); ++c) text += (c ? " " : "") + std::to_string(x[c]);
         text += "]";
       }
-      return text;
+      return {text, {batch.keys(i), batch.keys(i) + batch.arity()}};
     }
   }
   return {};

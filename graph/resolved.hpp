@@ -38,8 +38,13 @@ class Resolved {
   void retract(const Values& from, const double* delta, Values& to) const;
   /// delta = to ⊖ from.
   void local(const Values& from, const Values& to, double* delta) const;
-  /// Names the first factor, in the graph's order, whose residual is not finite at these values ("" where there is none).
-  std::string first_non_finite(const Graph& graph, const Values& values) const;
+  /// The first factor, in the graph's order, whose residual is not finite at these values: in words, and its keys (both empty
+  /// where there is none).
+  struct Culprit {
+    std::string text;
+    std::vector<Key> keys;
+  };
+  Culprit first_non_finite(const Graph& graph, const Values& values) const;
 
  private:
   void resolve_batch(const Graph& graph, const Values& values, int batch, std::vector<std::vector<int>>& numbers);

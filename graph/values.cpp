@@ -15,6 +15,20 @@ Values::Values(const Values& other) : slots_(other.slots_), structure_(other.str
   for (const auto& pool : other.pools_) pools_.push_back(pool->clone());
 }
 
+// What is left behind is empty, and has another structure than what was taken.
+Values::Values(Values&& other) noexcept : Values() { *this = std::move(other); }
+
+Values& Values::operator=(Values&& other) noexcept {
+  if (this == &other) return *this;
+  pools_ = std::move(other.pools_);
+  slots_ = std::move(other.slots_);
+  structure_ = other.structure_;
+  other.pools_.clear();
+  other.slots_.clear();
+  other.structure_ = new_structure_stamp();
+  return *this;
+}
+
 Values& Values::operator=(const Values& other) {
   if (this == &other) return *this;
   if (structure_ == other.structure_)
@@ -28,11 +42,16 @@ void Values::assign(const Values& other) {
   for (std::size_t i = 0; i < pools_.size(); ++i) pools_[i]->assign(*other.pools_[i]);
 }
 
+void Values::require_new(Key key) const {
+  const auto it = slots_.find(key);
+  if (it != slots_.end())
+    fail<BadKey>("key ", key, " is in the values already, as a ", pools_[it->second.pool]->type_name(), "; use update() to change it");
+}
+
 void Values::claim(Key key, PoolBase& pool) {
   const auto it = std::find_if(pools_.begin(), pools_.end(), [&](const auto& p) { return p.get() == &pool; });
   const Slot slot{static_cast<int>(it - pools_.begin()), pool.size()};
-  if (!slots_.emplace(key, slot).second)
-    fail<BadKey>("key ", key, " is in the values already, as a ", pools_[slots_.at(key).pool]->type_name(), "; use update() to change it");
+  slots_.emplace(key, slot);
   pool.keys_.push_back(key);
   structure_ = new_structure_stamp();
 }

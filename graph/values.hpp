@@ -105,13 +105,14 @@ class Values {
  public:
   Values();
   Values(const Values& other);
-  Values(Values&&) = default;
+  Values(Values&& other) noexcept;
   Values& operator=(const Values& other);
-  Values& operator=(Values&&) = default;
+  Values& operator=(Values&& other) noexcept;
 
   /// Throws BadKey where the key is there already.
   template <class V>
   void insert(Key key, const V& value) {
+    require_new(key);
     Pool<V>& pool = pool_of<V>();
     claim(key, pool);
     pool.values_.push_back(value);
@@ -170,6 +171,7 @@ class Values {
     pools_.push_back(std::make_unique<Pool<V>>());
     return static_cast<Pool<V>&>(*pools_.back());
   }
+  void require_new(Key key) const;
   void claim(Key key, PoolBase& pool);
   const Slot& checked(Key key, std::type_index type, const char* type_name) const;
 

@@ -1,4 +1,5 @@
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <cmath>
 #include <holdfast/graph/gradient.hpp>
@@ -8,7 +9,7 @@
 namespace holdfast {
 namespace {
 
-constexpr int kMaxIterations = 100;
+constexpr int kMaxIterations = 1000;
 constexpr int kDenseUnknowns = 30;
 
 // A variable's memory is its ambient coordinates. Jacobians come with respect to the tangent, so the manifold pretends that the
@@ -119,6 +120,18 @@ class Callback final : public ceres::IterationCallback {
   Progress& progress_;
 };
 
+// Ceres warns on the log of every matrix that is not positive definite; for us that is part of finding the first trust region.
+class QuietLog {
+ public:
+  QuietLog() : before_(FLAGS_minloglevel) { FLAGS_minloglevel = std::max(before_, static_cast<int>(google::GLOG_ERROR)); }
+  ~QuietLog() { FLAGS_minloglevel = before_; }
+  QuietLog(const QuietLog&) = delete;
+  QuietLog& operator=(const QuietLog&) = delete;
+
+ private:
+  int before_;
+};
+
 class CeresBackend final : public Backend {
  public:
   CeresBackend(const CeresVariant& variant, const Options& chosen) : Backend(chosen), variant_(variant) {}
@@ -217,14 +230,20 @@ Summary CeresBackend::minimize(const Graph& graph, Values& values) {
   progress.watch.lap(summary.seconds_setup);
 
   ceres::Solver::Summary outcome;
-  ceres::Solve(solver, &problem, &outcome);
+  {
+    const QuietLog quiet;
+    ceres::Solve(solver, &problem, &outcome);
+  }
   read_outcome(outcome, progress);
   if (!outcome.IsSolutionUsable()) {
     summary.cost = summary.cost_first;
     return summary;
   }
   summary.cost = resolved.cost(graph, x);
-  if (!outcome.iterations.empty()) summary.gradient_norm = outcome.iterations.back().gradient_max_norm;
+  std::vector<double> gradient;  // Ceres measures its own in ambient coordinates
+  GradientEvaluator evaluate(graph);
+  evaluate(graph, resolved, x, gradient);
+  summary.gradient_norm = max_norm(gradient);
   values.assign(x);
   return summary;
 }

@@ -6,7 +6,7 @@
 namespace holdfast {
 namespace {
 
-constexpr int kMaxIterations = 100;
+constexpr int kMaxIterations = 1000;
 constexpr double kRounding = 1e-14;  // of the cost: a predicted decrease below this cannot be measured
 constexpr double kConvergedDamping = 1e-2;  // a step damped more than this is short because of λ, not because the minimum is near
 constexpr double kLinearGain = 0.1;  // actual over predicted decrease this near to 1: the residuals are straight enough as they are

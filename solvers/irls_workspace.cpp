@@ -5,7 +5,7 @@
 namespace holdfast {
 namespace {
 
-constexpr double kFirstDamping = 1e-5;    // where Gauss–Newton fails
+constexpr double kFirstDamping = 1e-3;    // where Gauss–Newton fails: Marquardt's
 constexpr double kLeastDamping = 1e-9;    // below this: Gauss–Newton again
 constexpr double kMostDamping = 1e20;
 constexpr double kLeastDiagonal = 1e-12;  // an unconstrained direction must feel the damping, too
@@ -70,7 +70,7 @@ bool Damping::reject() {
 // Transtrum & Sethna 2012: the residuals along x ⊕ (tδ + ½t²a) stay on their tangent plane to second order where H a = −Jᵀ W r̈.
 bool Irls::Workspace::accelerate(const Graph& graph) {
   constexpr double h = 0.1;
-  constexpr double kMostBend = 0.75;  // ‖a‖ / ‖δ‖ in the metric of diag H: beyond it the second order is no better than the first
+  constexpr double kMostBend = 0.25;  // ‖a‖ / ‖δ‖ in the metric of diag H: beyond it the second order is no better than the first
   for (std::size_t i = 0; i < tangent.size(); ++i) acceleration[i] = h * tangent[i];
   resolved.retract(best, acceleration.data(), candidate);
   gradients.curvature(graph, resolved, best, candidate, h, tangent.data(), offsets, bend, &pool);

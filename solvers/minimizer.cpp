@@ -7,7 +7,7 @@ bool Progress::begin(double cost, const Graph& graph, const Resolved& resolved, 
   summary.cost_first = summary.cost = cost;
   if (std::isfinite(cost)) return true;
   end(Termination::failed, "the cost at the start is not finite");
-  summary.culprit = resolved.first_non_finite(graph, values);
+  summary.culprit = resolved.first_non_finite(graph, values).text;
   return false;
 }
 

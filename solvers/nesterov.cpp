@@ -66,7 +66,8 @@ Summary Nesterov::minimize(const Graph& graph, Values& values) {
   w.preconditioner.update(graph, w.resolved, w.x, &w.pool);
   progress.watch.lap(summary.seconds_setup);
 
-  double t = 1, L = 1, gradient_norm = 0, patience_cost = summary.cost;
+  w.evaluate(graph, w.resolved, w.x, w.gradient, &w.pool);
+  double t = 1, L = 1, gradient_norm = max_norm(w.gradient), patience_cost = summary.cost;
   bool plain = true;  // y = x: a step without momentum
   while (progress.go_on(gradient_norm)) {
     const double cost_y = w.evaluate(graph, w.resolved, w.y, w.gradient, &w.pool);
@@ -104,7 +105,8 @@ Summary Nesterov::minimize(const Graph& graph, Values& values) {
       patience_cost = summary.cost;
     }
   }
-  summary.gradient_norm = gradient_norm;
+  w.evaluate(graph, w.resolved, w.x, w.gradient, &w.pool);
+  summary.gradient_norm = max_norm(w.gradient);
   values.assign(w.x);
   return summary;
 }

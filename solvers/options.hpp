@@ -21,7 +21,7 @@ struct Iteration {
 enum class Reweighting { automatic, irls, newton };
 
 struct Options {
-  int max_iterations = 0;            ///< >= 0; 0: the back-end's own: 100, and 10,000 for first-order ones
+  int max_iterations = 0;            ///< >= 0; 0: the back-end's own: 1000, and 10,000 for first-order ones
   double cost_tolerance = 1e-6;      ///< >= 0: an accepted step that lowers the cost by less than this part of it ends the solve
   double gradient_tolerance = 1e-10; ///< >= 0: the largest component of the gradient (tangent, whitened)
   int threads = 1;                   ///< 1 … 1024; in-house back-ends give the same bits for any number

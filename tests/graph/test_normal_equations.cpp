@@ -114,6 +114,32 @@ TEST(NormalEquations, TakeFactorsWithoutAndWithWeight) {
   expect_assembled(graph, values, 2);
 }
 
+TEST(NormalEquations, KnownResidualsAndJacobiansGiveTheSame) {
+  for (const Curvature curvature : {Curvature::irls, Curvature::newton}) {
+    auto problem = testing::slam<Pose3>(9, 8, 0.3, Cauchy{1}, 0.3);
+    problem.graph.fix(A(2));
+    const Resolved resolved(problem.graph, problem.start);
+    std::vector<std::vector<double>> r, J;
+    for (std::size_t b = 0; b < problem.graph.batches().size(); ++b) {
+      const FactorBatch& batch = *problem.graph.batches()[b];
+      const std::size_t rows = static_cast<std::size_t>(batch.size()) * batch.residual_dim();
+      r.emplace_back(rows);
+      J.emplace_back(rows * batch.total_dim());
+      batch.evaluate(problem.start, resolved.batches()[b].index.data(), 0, batch.size(), r.back().data(), J.back().data());
+    }
+    NormalEquations normal(problem.graph, resolved, free_variables(resolved));
+    const double cost = normal.linearize(problem.graph, resolved, problem.start, curvature);
+    const Dense direct = expanded(normal, resolved, cost);
+    for (const int threads : {1, 3}) {
+      ThreadPool pool(threads);
+      EXPECT_NEAR(normal.linearize_at(problem.graph, r, J, curvature, &pool), cost, 1e-13 * cost);
+      const Dense known = expanded(normal, resolved, cost);
+      EXPECT_LT((known.H - direct.H).norm(), 1e-13 * direct.H.norm());
+      EXPECT_LT((known.g - direct.g).norm(), 1e-13 * direct.H.norm());
+    }
+  }
+}
+
 TEST(NormalEquations, TakeABatchThatHasBeenEmptied) {
   auto problem = testing::slam<Pose2>(4, 5, 0.3);
   const FactorId id = problem.graph.add(Prior<Point2>::from_sigmas(Point2(0, 0), Vector<2>(1, 1)), {L(0)});

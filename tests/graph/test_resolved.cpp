@@ -131,9 +131,9 @@ TEST(Resolved, FindsTheFirstNonFiniteFactor) {
   Values values;
   for (int i = 0; i < 4; ++i) values.insert(A(i), Point2(i, 0));
   for (int i = 1; i < 4; ++i) graph.add(Range<Point2, Point2>{1, 1}, {A(i - 1), A(i)});
-  EXPECT_EQ(Resolved(graph, values).first_non_finite(graph, values), "");
+  EXPECT_EQ(Resolved(graph, values).first_non_finite(graph, values).text, "");
   values.at<Point2>(A(2)).value[1] = NAN;
-  const std::string culprit = Resolved(graph, values).first_non_finite(graph, values);
+  const std::string culprit = Resolved(graph, values).first_non_finite(graph, values).text;
   for (const char* part : {"Range(A1, A2)", "A1 = [1", "A2 = [2", "nan"}) EXPECT_THAT(culprit, HasSubstr(part));
 }
 

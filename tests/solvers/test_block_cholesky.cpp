@@ -124,6 +124,45 @@ TEST(Symbolic, OrdersEveryNodeOnceAndItsTreeUpwards) {
   EXPECT_EQ(next, static_cast<int>(all.size()));
 }
 
+/// Nodes of one unknown each, tied by these pairs.
+BlockGraph graph_of(int nodes, const std::vector<std::pair<int, int>>& edges) {
+  std::vector<std::vector<int>> neighbours(nodes);
+  for (const auto& [a, b] : edges) {
+    neighbours[a].push_back(b);
+    neighbours[b].push_back(a);
+  }
+  BlockGraph graph;
+  graph.dims.assign(nodes, 1);
+  for (std::vector<int>& some : neighbours) {
+    std::sort(some.begin(), some.end());
+    graph.neighbours.insert(graph.neighbours.end(), some.begin(), some.end());
+    graph.begin.push_back(static_cast<int>(graph.neighbours.size()));
+  }
+  return graph;
+}
+
+TEST(MinimumDegree, EliminatesAHubLast) {  // first, it would tie all the others to each other
+  std::vector<std::pair<int, int>> edges;
+  for (int i = 1; i < 200; ++i) edges.emplace_back(0, i);
+  const std::vector<int> order = minimum_degree_order(graph_of(200, edges));
+  EXPECT_GE(std::find(order.begin(), order.end(), 0) - order.begin(), 198);
+}
+
+TEST(MinimumDegree, FindsTheChainInShuffledNumbers) {
+  std::vector<int> name(400), in_line(400);
+  std::iota(in_line.begin(), in_line.end(), 0);
+  name = in_line;
+  std::mt19937_64 rng(10);
+  std::shuffle(name.begin(), name.end(), rng);
+  std::vector<std::pair<int, int>> line, shuffled;
+  for (int i = 1; i < 400; ++i) {
+    line.emplace_back(i - 1, i);
+    shuffled.emplace_back(name[i - 1], name[i]);
+  }
+  const BlockGraph graph = graph_of(400, shuffled);
+  EXPECT_LT(analyze(graph, minimum_degree_order(graph)).flops, 5 * analyze(graph_of(400, line), in_line).flops);
+}
+
 TEST(Orderings, ArePermutations) {
   const auto problem = slam<Pose3>(9, 60, 0.1);
   const Resolved resolved(problem.graph, problem.start);

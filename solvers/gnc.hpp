@@ -1,0 +1,67 @@
+// Graduated non-convexity (Yang, Antonante, Tzoumas & Carlone, "Graduated Non-Convexity for Robust Spatial Perception", RA-L 2020) round
+// any back-end: finds a good minimum of truncated and redescending losses without a good start.
+//
+//   auto backend = gnc(make_backend("irls"));
+//   Summary s = backend->solve(graph, values);
+//   for (const Gnc::TermWeight& t : backend->weights()) …   // which measurements were believed
+//
+// Terms with the loss TruncatedSquares{c} (GNC-TLS) or GemanMcClure{c} (GNC-GM), as a block or of one component, become squared terms with
+// a weight ω that starts at 1; other terms stay as they are. With u = ‖r‖²/c², after every solve of the inner back-end:
+//
+//   TLS:  ω = 1 for u ≤ μ/(μ+1), 0 for u ≥ (μ+1)/μ, else √(μ(μ+1)/u) − μ;   μ ← μ · mu_factor from 1/(2 u_max − 1)   until all ω are 0 or 1
+//   GM:   ω = (μ/(u+μ))²;                                                    μ ← μ / mu_factor from 2 u_max           until μ = 1: ω = ρ'
+//
+// u_max: the largest u of these terms after the first solve (all ω = 1). One-sided terms keep ω = 1 on their squared side (r > 0).
+// Once μ has arrived, it stays, and the solve ends when the weights no longer change, or Graph::cost changes by no more than
+// cost_tolerance of it. The structure of the inner problem never changes, so that the inner back-end uses its symbolic work again.
+#pragma once
+
+#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/clock.hpp>
+
+namespace holdfast {
+
+struct GncOptions {
+  double mu_factor = 1.4;               ///< > 1
+  int max_outer_iterations = 100;       ///< >= 1: solves of the inner back-end
+  std::vector<FactorId> known_inliers;  ///< of the graph to solve: ω = 1 throughout
+
+  /// Throws BadOption with field, value and rule.
+  void validate() const;
+};
+
+/// Options: those of the inner back-end at first. max_iterations holds for each inner solve, time_limit and the progress callback (called
+/// once an outer iteration) for the whole.
+class Gnc final : public Backend {
+ public:
+  /// Throws BadOption: no inner back-end, or options that break their rules.
+  Gnc(std::unique_ptr<Backend> inner, GncOptions chosen);
+  std::string name() const override { return "gnc-" + inner_->name(); }
+
+  struct TermWeight {
+    FactorId id;
+    double weight;  ///< ω in [0, 1]
+  };
+  /// Of every term that GNC weighs (known inliers among them) after the last solve, in the graph's order.
+  const std::vector<TermWeight>& weights() const { return weights_; }
+  /// Of one of them. Throws BadKey for any other factor.
+  double weight(FactorId id) const;
+
+  GncOptions gnc_options;
+
+ protected:
+  /// The summary is scored by Graph::cost of the graph itself. An answer that costs more than the start is dropped for the start, and the
+  /// summary says so (weights() are those that led to it). Throws BadKey where a known inlier is not in the graph.
+  Summary minimize(const Graph& graph, Values& values) override;
+
+ private:
+  class Run;
+  Summary solve_inner(const Graph& squared, Values& x, const Stopwatch& watch);
+
+  std::unique_ptr<Backend> inner_;
+  std::vector<TermWeight> weights_;
+};
+
+std::unique_ptr<Gnc> gnc(std::unique_ptr<Backend> inner, GncOptions options = {});
+
+}  // namespace holdfast
