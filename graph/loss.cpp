@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -5,6 +6,8 @@
 #include <holdfast/graph/loss.hpp>
 #include <limits>
 #include <sstream>
+#include <string>
+#include <vector>
 
 namespace holdfast {
 namespace {
@@ -75,12 +78,14 @@ void Loss::validate(int residual_dim) const {
 }
 
 std::string Loss::str() const {
-  std::ostringstream text;
-  text << name_of(kind);
-  if (kind != Kind::Squared) text << ':' << scale;
-  if (per_component) text << ":component";
-  if (one_sided) text << ":one_sided";
-  return text.str();
+  std::string text = name_of(kind);
+  if (kind != Kind::Squared) {
+    char digits[32];  // the shortest that reads back as the same number
+    text += ':' + std::string(digits, std::to_chars(digits, digits + sizeof digits, scale).ptr);
+  }
+  if (per_component) text += ":component";
+  if (one_sided) text += ":one_sided";
+  return text;
 }
 
 Loss Loss::parse(std::string_view text) {
@@ -91,25 +96,25 @@ Loss Loss::parse(std::string_view text) {
     for (const char* name : kNames) names << ' ' << name;
     fail<BadOption>("'", text, "' is no loss: expected NAME[:THRESHOLD][:component][:one_sided] with a threshold > 0 and NAME one of", names.str());
   };
-  const auto next = [rest = text]() mutable {
-    const std::string_view part = rest.substr(0, rest.find(':'));
-    rest.remove_prefix(std::min(rest.size(), part.size() + 1));
-    return part;
-  };
-  auto part_of = next;
-  const std::string_view name = part_of();
-  std::size_t kind = 0;
-  while (kind < kNames.size() && name != kNames[kind]) ++kind;
-  if (kind == kNames.size()) refuse();
-  Loss loss = defaults[kind];
-  for (std::string_view part = part_of(); !part.empty(); part = part_of()) {
-    if (part == "component") {
+  std::vector<std::string_view> parts;
+  for (std::string_view rest = text;; rest.remove_prefix(parts.back().size() + 1)) {
+    parts.push_back(rest.substr(0, rest.find(':')));
+    if (parts.back().size() == rest.size()) break;
+  }
+  const auto kind = std::find(kNames.begin(), kNames.end(), parts.front());
+  if (kind == kNames.end()) refuse();
+  Loss loss = defaults[kind - kNames.begin()];
+  bool has_scale = loss.kind == Kind::Squared;  // which takes none
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const std::string_view part = parts[i];
+    if (part == "component" && !loss.per_component) {
       loss.per_component = true;
-    } else if (part == "one_sided") {
+    } else if (part == "one_sided" && !loss.one_sided) {
       loss.one_sided = true;
     } else {
       const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), loss.scale);
-      if (error != std::errc{} || end != part.data() + part.size() || !(std::isfinite(loss.scale) && loss.scale > 0)) refuse();
+      if (has_scale || error != std::errc{} || end != part.data() + part.size() || !(std::isfinite(loss.scale) && loss.scale > 0)) refuse();
+      has_scale = true;
     }
   }
   return loss;

@@ -63,6 +63,7 @@ std::vector<int> minimum_degree_order(const BlockGraph& graph) {
 
 std::vector<int> nested_dissection_order(const BlockGraph& graph) {
 #ifdef HOLDFAST_WITH_METIS
+  if (graph.neighbours.empty()) return {};  // METIS divides by the number of edges
   idx_t n = graph.size();
   std::vector<idx_t> begin(graph.begin.begin(), graph.begin.end()), neighbours(graph.neighbours.begin(), graph.neighbours.end());
   std::vector<idx_t> weights(graph.dims.begin(), graph.dims.end()), order(graph.size()), position(graph.size());

@@ -20,7 +20,7 @@ BlockGraph block_graph(const Graph& graph, const Resolved& resolved, std::vector
 /// Approximate minimum degree: the nodes, first eliminated first.
 std::vector<int> minimum_degree_order(const BlockGraph& graph);
 
-/// Nested dissection by METIS; empty where holdfast was built without it.
+/// Nested dissection by METIS; empty where holdfast was built without it or no two nodes are neighbours.
 std::vector<int> nested_dissection_order(const BlockGraph& graph);
 
 }  // namespace holdfast

@@ -160,7 +160,7 @@ Symbolic analyze(const BlockGraph& graph, const std::vector<int>& order) {
 
 Symbolic analyze(const BlockGraph& graph) {
   Symbolic best = analyze(graph, minimum_degree_order(graph));
-  if (best.flops < kDissectionFlopsPerNode * graph.size()) return best;
+  if (best.flops <= kDissectionFlopsPerNode * graph.size()) return best;
   const std::vector<int> dissection = nested_dissection_order(graph);
   if (dissection.empty()) return best;
   Symbolic other = analyze(graph, dissection);
