@@ -93,8 +93,9 @@ Resolved::Culprit Resolved::first_non_finite(const Graph& graph, const Values& v
     r.resize(batch.residual_dim());
     for (int i = 0; i < batch.size(); ++i) {
       batch.evaluate(values, batches_[b].index.data(), i, i + 1, r.data(), nullptr);
-      if (std::all_of(r.begin(), r.end(), [](double x) { return std::isfinite(x); })) continue;
-      std::string text = batch.describe(i) + ": its residual is not finite at";
+      const bool residual_is_finite = std::all_of(r.begin(), r.end(), [](double x) { return std::isfinite(x); });
+      if (residual_is_finite && std::isfinite(batch.cost_of(i, r.data(), nullptr))) continue;
+      std::string text = batch.describe(i) + (residual_is_finite ? ": the square of its residual overflows at" : ": its residual is not finite at");
       for (int k = 0; k < batch.arity(); ++k) {
         const Key key = batch.keys(i)[k];
         PoolBase& pool = const_cast<PoolBase&>(values.pool(values.slot(key).pool));
