@@ -8,14 +8,25 @@
 namespace holdfast {
 namespace {
 
+// A tag cut short is unknown, too, but must not pass for one: the last line, without a line end, begins a tag of the format.
+void refuse_cut_tag(const Dataset& dataset, std::size_t number) {
+  if (dataset.unknown.empty() || dataset.unknown.back().line != number) return;
+  const std::string& tag = dataset.unknown.back().tag;
+  for (const io::RecordType& record : io::records(dataset.format))
+    if (record.tag.substr(0, tag.size()) == tag)
+      fail<BadFile>(dataset.name, ", line ", number, ": '", dataset.unknown.back().text, "' is no tag; expected ", record.tag,
+                    " and its columns (the last line, without a line end: is the file cut?)");
+}
+
 Dataset parse_text(std::string_view text, const std::string& name, Format format) {
   LineParser parser(format, name);
   io::for_each_line(text, [&](std::size_t number, std::string_view line) {
     const bool is_cut = line.data() + line.size() == text.data() + text.size();  // the last line, without a line end
     try {
       parser.parse(number, line);
+      if (is_cut) refuse_cut_tag(parser.dataset(), number);
     } catch (const BadFile& problem) {
-      if (!is_cut) throw;
+      if (!is_cut || std::string_view(problem.what()).find("is the file cut?") != std::string_view::npos) throw;
       fail<BadFile>(problem.what(), " (the last line, without a line end: is the file cut?)");
     }
   });

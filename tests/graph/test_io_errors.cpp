@@ -164,8 +164,14 @@ TEST(BadFiles, CutInTheMiddle) {
     put(directory / "cut.pyfg", whole.substr(0, length));
     expect_message<BadFile>([&] { read(directory / "cut.pyfg"); }, {"cut.pyfg, line 4: 'EDGE_SE2 1", "is the file cut?"});
   }
+  for (std::size_t length = kPoses.size() + 1; length < kPoses.size() + 9; ++length) {  // inside the tag: not merely unknown
+    put(directory / "cut.pyfg", whole.substr(0, length));
+    expect_message<BadFile>([&] { read(directory / "cut.pyfg"); }, {"cut.pyfg, line 4: 'E", "is the file cut?"});
+  }
   put(directory / "cut.pyfg", whole.substr(0, whole.size() - 1));
   EXPECT_EQ(read(directory / "cut.pyfg").edges.size(), 1u);
+  put(directory / "cut.pyfg", kPoses + "EDGE_FOO");  // a whole tag that nobody knows is no cut
+  EXPECT_EQ(read(directory / "cut.pyfg").unknown.size(), 1u);
 }
 
 TEST(BadFiles, LongLineIsShownInPart) {
