@@ -50,6 +50,7 @@ struct BenchArguments {
   double time_limit = 60;  ///< [s] a solve
   int repetitions = 3;
   unsigned seed = 1;
+  unsigned runs = 20;
   bool fresh = false;
 };
 CLI::App* add_bench(CLI::App& app, BenchArguments& arguments);

@@ -24,6 +24,7 @@ CLI::App* add_bench(CLI::App& app, BenchArguments& arguments) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   command->add_option("--seed", arguments.seed)->capture_default_str();
+  command->add_option("--runs", arguments.runs, "seeds of the papers' suites: SEED, SEED + 1, …")->capture_default_str()->check(CLI::PositiveNumber);
   command->add_flag("--fresh", arguments.fresh, "run again what the results hold already");
   return command;
 }
@@ -39,6 +40,7 @@ RunnerOptions runner_options(const BenchArguments& arguments) {
   options.solver.validate();
   options.repetitions = arguments.repetitions;
   options.seed = arguments.seed;
+  options.runs = arguments.runs;
   options.fresh = arguments.fresh;
   return options;
 }

@@ -46,10 +46,12 @@ Journal::Journal(std::string path) : path_(std::move(path)) {
   if (torn) atomic_write(path_, kept);
 }
 
-void Journal::append(const Json& line) {
+void Journal::append(const std::vector<Json>& lines) {
+  if (lines.empty()) return;
   const Descriptor file{::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666)};
   if (file.fd < 0) cannot_write(path_, errno);
-  const std::string text = to_line(line);
+  std::string text;
+  for (const Json& line : lines) text += to_line(line);
   for (std::size_t written = 0; written < text.size();) {
     const ssize_t now = ::write(file.fd, text.data() + written, text.size() - written);
     if (now < 0 && errno == EINTR) continue;
@@ -57,7 +59,7 @@ void Journal::append(const Json& line) {
     written += static_cast<std::size_t>(now);
   }
   if (::fsync(file.fd) != 0) cannot_write(path_, errno);
-  lines_.push_back(line);
+  lines_.insert(lines_.end(), lines.begin(), lines.end());
 }
 
 }  // namespace holdfast::bench

@@ -16,7 +16,9 @@ class Journal {
   const std::string& path() const { return path_; }
   const std::vector<Json>& lines() const { return lines_; }
   /// Adds a line, flushed to the disk.
-  void append(const Json& line);
+  void append(const Json& line) { append(std::vector<Json>{line}); }
+  /// The same with several at once.
+  void append(const std::vector<Json>& lines);
 
  private:
   std::string path_;
