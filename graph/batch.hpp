@@ -72,11 +72,15 @@ class FactorBatch {
   double cost_of(int i, const double* r, double* weights) const;
 
   virtual std::unique_ptr<FactorBatch> clone() const = 0;
+  /// Its factors' convex counterparts (factor.hpp, relaxed()) under the same keys, weights and loss; null where they have none.
+  virtual std::unique_ptr<FactorBatch> relaxed() const { return nullptr; }
   virtual void remove(int i) = 0;  ///< the last one takes its place
 
  protected:
   friend class Graph;
   void set_variables(std::vector<std::type_index> types, std::vector<const char*> names, std::vector<int> dims);
+  /// Takes the place of another batch on the same variables.
+  void take_place_of(const FactorBatch& other) { keys_ = other.keys_, weights_ = other.weights_, ids_ = other.ids_; }
 
   std::string name_;
   Loss loss_;
@@ -274,6 +278,16 @@ class Batch final : public FactorBatch {
   }
 
   std::unique_ptr<FactorBatch> clone() const override { return std::make_unique<Batch>(*this); }
+  std::unique_ptr<FactorBatch> relaxed() const override {
+    if constexpr (detail::HasRelaxed<F>::value) {
+      auto convex = std::make_unique<Batch<decltype(std::declval<const F&>().relaxed())>>(loss_);
+      for (const F& factor : factors_) convex->factors_.push_back(factor.relaxed());
+      convex->take_place_of(*this);
+      return convex;
+    } else {
+      return nullptr;
+    }
+  }
   void remove(int i) override {
     factors_[i] = factors_.back();
     factors_.pop_back();
@@ -281,6 +295,8 @@ class Batch final : public FactorBatch {
 
  private:
   friend class Graph;
+  template <class>
+  friend class Batch;
 
   template <std::size_t... I>
   void describe_variables(std::index_sequence<I...>) {

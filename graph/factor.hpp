@@ -91,6 +91,10 @@ template <class F, class = void>
 struct HasDefaultWeight : std::false_type {};
 template <class F>
 struct HasDefaultWeight<F, std::void_t<decltype(std::declval<const F&>().default_weight())>> : std::true_type {};
+template <class F, class = void>
+struct HasRelaxed : std::false_type {};
+template <class F>
+struct HasRelaxed<F, std::void_t<decltype(std::declval<const F&>().relaxed())>> : std::true_type {};
 std::string demangled(const std::type_info& type);
 }  // namespace detail
 

@@ -127,6 +127,18 @@ void Graph::unfix(Key key) {
   if (fixed_.erase(key) != 0) structure_ = new_structure_stamp();
 }
 
+Graph Graph::relaxed() const {
+  Graph convex;
+  convex.places_ = places_;
+  convex.free_ = free_;
+  convex.fixed_ = fixed_;
+  for (const auto& batch : batches_) {
+    auto counterpart = batch->relaxed();
+    convex.batches_.push_back(counterpart ? std::move(counterpart) : batch->clone());
+  }
+  return convex;
+}
+
 double Graph::cost(const Values& values) const { return Resolved(*this, values).cost(*this, values); }
 
 }  // namespace holdfast

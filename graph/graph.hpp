@@ -96,6 +96,9 @@ class Graph {
   const Place& place(FactorId id) const { return checked(id); }
   FactorId id_of(int batch, int index) const;
 
+  /// The graph with every factor that has a convex counterpart (factor.hpp, relaxed()) replaced by it; FactorIds stay valid.
+  Graph relaxed() const;
+
   /// Changes whenever a factor comes or goes or a variable is fixed or freed.
   std::uint64_t structure() const { return structure_; }
 

@@ -12,6 +12,7 @@ using ::testing::HasSubstr;
 
 constexpr Agent A('A'), L('L');
 using PointRange = Range<Point2, Point2>;
+using PointBall = RangeBall<Point2, Point2>;
 using PointPrior = Prior<Point2>;
 
 PointPrior prior_at(double x, double y) { return PointPrior::from_sigmas(Point2(x, y), Vector<2>(1, 1)); }
@@ -167,6 +168,25 @@ TEST(Graph, CopyIsIndependentAndIdsStayValidInIt) {
   original = copy;
   EXPECT_EQ(original.size(), 2u);
   EXPECT_EQ(original.cost(square()), copy.cost(square()));
+}
+
+TEST(Graph, RelaxedReplacesWhatHasAConvexCounterpart) {
+  Graph graph;
+  const FactorId gone = graph.add(PointRange{1, 1}, {A(0), A(1)});
+  const FactorId shorter = graph.add(PointRange{4, 0.5}, {A(0), A(1)}, Squared{}, 3);  // 1 m too far: r = 2
+  const FactorId longer = graph.add(PointRange{11, 0.5}, {A(0), L(0)}, Huber{1});      // 1 m too near: the ball is content
+  graph.add(prior_at(0, 2), {A(0)});
+  graph.remove(gone);
+  graph.fix(L(0));
+  const Graph convex = graph.relaxed();
+  EXPECT_EQ(convex.at<PointBall>(shorter).distance, 4);
+  EXPECT_EQ(convex.at<PointBall>(longer).distance, 11);
+  EXPECT_EQ(convex.batches()[convex.place(longer).batch]->loss(), Loss(Huber{1}));
+  EXPECT_EQ(convex.size(), graph.size());
+  EXPECT_TRUE(convex.is_fixed(L(0)));
+  EXPECT_NE(convex.structure(), graph.structure());
+  EXPECT_DOUBLE_EQ(graph.cost(square()), 0.5 * (3 * 4 + 3 + 4));
+  EXPECT_DOUBLE_EQ(convex.cost(square()), 0.5 * (3 * 4 + 0 + 4));
 }
 
 TEST(Graph, StampChangesWithEveryChangeOfStructure) {
