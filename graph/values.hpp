@@ -101,6 +101,22 @@ class Pool final : public PoolBase {
   std::vector<V> values_;
 };
 
+/// A type of another library that Values takes and gives in place of one of ours. An adapter specialises it with
+///   using type = Pose2;  static Pose2 ours(const T&);  static T theirs(const Pose2&);
+template <class T>
+struct StandsFor;
+
+namespace detail {
+template <class T, class = void>
+struct IsForeign : std::false_type {};
+template <class T>
+struct IsForeign<T, std::void_t<typename StandsFor<T>::type>> : std::true_type {};
+template <class T, class Result>
+using IfOurs = std::enable_if_t<!IsForeign<T>::value, Result>;
+template <class T>
+using IfForeign = std::enable_if_t<IsForeign<T>::value, T>;
+}  // namespace detail
+
 class Values {
  public:
   Values();
@@ -112,23 +128,34 @@ class Values {
   /// Throws BadKey where the key is there already.
   template <class V>
   void insert(Key key, const V& value) {
-    require_new(key);
-    Pool<V>& pool = pool_of<V>();
-    claim(key, pool);
-    pool.values_.push_back(value);
+    if constexpr (detail::IsForeign<V>::value) {
+      insert(key, StandsFor<V>::ours(value));
+    } else {
+      require_new(key);
+      Pool<V>& pool = pool_of<V>();
+      claim(key, pool);
+      pool.values_.push_back(value);
+    }
   }
   /// Throws BadKey where the key is missing, BadType where it holds another type.
   template <class V>
   void update(Key key, const V& value) {
-    at<V>(key) = value;
+    if constexpr (detail::IsForeign<V>::value)
+      update(key, StandsFor<V>::ours(value));
+    else
+      at<V>(key) = value;
   }
   template <class V>
-  V& at(Key key) {
+  detail::IfOurs<V, V&> at(Key key) {
     return static_cast<Pool<V>&>(*pools_[checked(key, typeid(V), V::name()).pool]).values_[slot(key).index];
   }
   template <class V>
-  const V& at(Key key) const {
+  detail::IfOurs<V, const V&> at(Key key) const {
     return static_cast<const Pool<V>&>(*pools_[checked(key, typeid(V), V::name()).pool]).values_[slot(key).index];
+  }
+  template <class V>
+  detail::IfForeign<V> at(Key key) const {
+    return StandsFor<V>::theirs(at<typename StandsFor<V>::type>(key));
   }
   void erase(Key key);
 

@@ -5,7 +5,21 @@
 #include <map>
 #include <random>
 
+namespace other_library {
+struct Pose {
+  double x, y, theta;
+};
+}  // namespace other_library
+
 namespace holdfast {
+
+template <>
+struct StandsFor<other_library::Pose> {
+  using type = Pose2;
+  static Pose2 ours(const other_library::Pose& pose) { return {pose.x, pose.y, pose.theta}; }
+  static other_library::Pose theirs(const Pose2& pose) { return {pose.p[0], pose.p[1], pose.angle()}; }
+};
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -43,6 +57,18 @@ TEST(Values, HoldsWhatWasInserted) {
   EXPECT_TRUE(values.contains<Pose2>(A(0)));
   EXPECT_FALSE(values.contains<Point2>(A(0)));
   EXPECT_FALSE(values.contains(A(2)));
+}
+
+TEST(Values, TakesAndGivesWhatStandsForOneOfOurs) {
+  Values values;
+  values.insert(A(3), other_library::Pose{1, 2, 0.5});
+  EXPECT_EQ(values.at<Pose2>(A(3)).p, Vector<2>(1, 2));
+  values.at<Pose2>(A(3)).p[0] = 4;
+  EXPECT_EQ(values.at<other_library::Pose>(A(3)).x, 4);
+  values.update(A(3), other_library::Pose{7, 8, -0.5});
+  const Values& unchanged = values;
+  EXPECT_DOUBLE_EQ(unchanged.at<other_library::Pose>(A(3)).theta, -0.5);
+  EXPECT_THROW(values.insert(A(3), other_library::Pose{}), BadKey);
 }
 
 TEST(Values, KeysAreSortedOverAllTypes) {
