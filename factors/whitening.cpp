@@ -29,6 +29,16 @@ MatrixXd cholesky(const char* what, const MatrixXd& m) {
   return L;
 }
 
+// Which components the entries that are not 0 link, directly or through others. What they do not link (the axes of a motion, say) stays
+// separate in any function of the matrix, and must not meet again through rounding: solvers skip zeros.
+Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> linked(const MatrixXd& m) {
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> links = m.array() != 0;
+  for (Eigen::Index k = 0; k < m.rows(); ++k)
+    for (Eigen::Index i = 0; i < m.rows(); ++i)
+      for (Eigen::Index j = 0; j < m.rows(); ++j) links(i, j) = links(i, j) || (links(i, k) && links(k, j));
+  return links;
+}
+
 Eigen::Map<const MatrixXd> square(int n, const double* m) { return {m, n, n}; }
 Eigen::Map<MatrixXd> square(int n, double* m) { return {m, n, n}; }
 
@@ -44,7 +54,8 @@ void sqrt_of_inverse(const char* what, int n, const double* covariance, double* 
 
 void symmetric_sqrt_of_inverse(const char* what, int n, const double* covariance, double* W) {
   cholesky(what, square(n, covariance));  // states the rule
-  square(n, W) = Eigen::SelfAdjointEigenSolver<MatrixXd>(square(n, covariance)).operatorInverseSqrt();
+  const MatrixXd root = Eigen::SelfAdjointEigenSolver<MatrixXd>(square(n, covariance)).operatorInverseSqrt();
+  square(n, W) = linked(square(n, covariance)).select(root, MatrixXd::Zero(n, n));
 }
 
 }  // namespace holdfast::detail

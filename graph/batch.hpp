@@ -103,9 +103,11 @@ struct RowWeights {
   double cost;
 };
 
+/// Newton's curvature is never less than this part of the IRLS one: keeps H positive definite on the flat part of a loss.
+constexpr double kLeastCurvature = 1e-5;
+
 template <int M>
 RowWeights<M> row_weights(const Loss& loss, double weight, const Vector<M>& r, Curvature curvature) {
-  constexpr double kLeast = 1e-5;  // of the IRLS curvature: keeps H positive definite on the flat part of a loss
   RowWeights<M> w;
   w.rank_one = 0;
   if (loss.kind == Loss::Kind::Squared) {
@@ -120,7 +122,7 @@ RowWeights<M> row_weights(const Loss& loss, double weight, const Vector<M>& r, C
       const Rho rho = loss.rho_of_component(r[c]);
       sum += rho.value;
       w.gradient[c] = weight * rho.first;
-      w.hessian[c] = curvature == Curvature::newton ? weight * std::max(rho.first + 2 * r[c] * r[c] * rho.second, kLeast * rho.first) : w.gradient[c];
+      w.hessian[c] = curvature == Curvature::newton ? weight * std::max(rho.first + 2 * r[c] * r[c] * rho.second, kLeastCurvature * rho.first) : w.gradient[c];
     }
     if (curvature == Curvature::bound) w.hessian.setConstant(weight * loss.rho(0, 1).first);
     w.cost = 0.5 * weight * sum;
@@ -130,7 +132,7 @@ RowWeights<M> row_weights(const Loss& loss, double weight, const Vector<M>& r, C
   const Rho rho = loss.rho(s, M);
   w.gradient.setConstant(weight * rho.first);
   w.hessian.setConstant(weight * (curvature == Curvature::bound ? loss.rho(0, M).first : rho.first));
-  if (curvature == Curvature::newton && s > 0) w.rank_one = weight * std::max(2 * rho.second, -(1 - kLeast) * rho.first / s);
+  if (curvature == Curvature::newton && s > 0) w.rank_one = weight * std::max(2 * rho.second, -(1 - kLeastCurvature) * rho.first / s);
   w.cost = 0.5 * weight * rho.value;
   return w;
 }

@@ -3,17 +3,20 @@
 
 namespace holdfast {
 
-Resolved::Resolved(const Graph& graph, const Values& values) : graph_structure_(graph.structure()), values_structure_(values.structure()) {
-  std::vector<std::vector<int>> numbers;  // of each variable, by pool and index; −1: no factor touches it
-  for (const auto& pool : values.pools()) numbers.emplace_back(pool->size(), -1);
+void Resolved::rebuild(const Graph& graph, const Values& values) {
+  graph_structure_ = values_structure_ = 0;  // matches nothing, should a bad key end this early
+  variables_.clear();
+  tangent_dim_ = residual_dim_ = 0;
+  numbers_.resize(values.pools().size());
+  for (std::size_t p = 0; p < numbers_.size(); ++p) numbers_[p].assign(values.pools()[p]->size(), -1);
   batches_.resize(graph.batches().size());
-  for (std::size_t b = 0; b < batches_.size(); ++b) resolve_batch(graph, values, static_cast<int>(b), numbers);
+  for (std::size_t b = 0; b < batches_.size(); ++b) resolve_batch(graph, values, static_cast<int>(b));
 
-  for (std::size_t p = 0; p < numbers.size(); ++p) {
+  for (std::size_t p = 0; p < numbers_.size(); ++p) {
     const PoolBase& pool = values.pool(static_cast<int>(p));
     for (int i = 0; i < pool.size(); ++i) {
-      if (numbers[p][i] < 0) continue;
-      numbers[p][i] = static_cast<int>(variables_.size());
+      if (numbers_[p][i] < 0) continue;
+      numbers_[p][i] = static_cast<int>(variables_.size());
       const bool fixed = graph.is_fixed(pool.keys()[i]);
       variables_.push_back({pool.keys()[i], static_cast<int>(p), i, pool.dim(), fixed ? -1 : tangent_dim_});
       if (!fixed) tangent_dim_ += pool.dim();
@@ -21,16 +24,20 @@ Resolved::Resolved(const Graph& graph, const Values& values) : graph_structure_(
   }
   for (std::size_t b = 0; b < batches_.size(); ++b) {
     Batch& batch = batches_[b];
-    for (std::size_t k = 0; k < batch.index.size(); ++k) batch.variable[k] = numbers[batch.variable[k]][batch.index[k]];
+    for (std::size_t k = 0; k < batch.index.size(); ++k) batch.variable[k] = numbers_[batch.variable[k]][batch.index[k]];
   }
+  graph_structure_ = graph.structure();
+  values_structure_ = values.structure();
 }
 
 // Leaves the pool in `variable` for the moment, and marks the variables it meets.
-void Resolved::resolve_batch(const Graph& graph, const Values& values, int b, std::vector<std::vector<int>>& numbers) {
+void Resolved::resolve_batch(const Graph& graph, const Values& values, int b) {
   const FactorBatch& factors = *graph.batches()[b];
   const int arity = factors.arity();
   residual_dim_ += factors.size() * factors.residual_dim();
   Batch& batch = batches_[b];
+  batch.index.clear();
+  batch.variable.clear();
   batch.index.reserve(static_cast<std::size_t>(factors.size()) * arity);
   batch.variable.reserve(batch.index.capacity());
   for (int i = 0; i < factors.size(); ++i) {
@@ -45,7 +52,7 @@ void Resolved::resolve_batch(const Graph& graph, const Values& values, int b, st
                       factors.type_names()[k], "; insert it as one");
       batch.index.push_back(slot.index);
       batch.variable.push_back(slot.pool);
-      numbers[slot.pool][slot.index] = 0;
+      numbers_[slot.pool][slot.index] = 0;
     }
   }
 }

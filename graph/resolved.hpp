@@ -21,8 +21,11 @@ class Resolved {
   };
 
   /// Throws BadKey for a key without a value, BadType for one of the wrong type; both name the factor.
-  Resolved(const Graph& graph, const Values& values);
+  Resolved(const Graph& graph, const Values& values) { rebuild(graph, values); }
+  Resolved() = default;
 
+  /// The same as a new one, in the memory of the old one.
+  void rebuild(const Graph& graph, const Values& values);
   bool matches(const Graph& graph, const Values& values) const {
     return graph_structure_ == graph.structure() && values_structure_ == values.structure();
   }
@@ -47,14 +50,15 @@ class Resolved {
   Culprit first_non_finite(const Graph& graph, const Values& values) const;
 
  private:
-  void resolve_batch(const Graph& graph, const Values& values, int batch, std::vector<std::vector<int>>& numbers);
+  void resolve_batch(const Graph& graph, const Values& values, int batch);
 
   std::vector<Variable> variables_;
   std::vector<Batch> batches_;
   int tangent_dim_ = 0;
   int residual_dim_ = 0;
-  std::uint64_t graph_structure_;
-  std::uint64_t values_structure_;
+  std::uint64_t graph_structure_ = 0;
+  std::uint64_t values_structure_ = 0;
+  std::vector<std::vector<int>> numbers_;  // while building: of each variable, by pool and index; −1: no factor touches it
 };
 
 /// Calls fn(batch, first, last) for every chunk of factors of the graph; the chunks have a fixed size, so whatever is

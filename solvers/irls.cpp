@@ -2,37 +2,50 @@
 #include <cmath>
 #include <holdfast/solvers/irls.hpp>
 #include <holdfast/solvers/irls_workspace.hpp>
+#include <holdfast/solvers/linear_rows.hpp>
 
 namespace holdfast {
 namespace {
 
 constexpr int kMaxIterations = 1000;
-constexpr double kRounding = 1e-14;  // of the cost: a predicted decrease below this cannot be measured
+constexpr double kRounding = 1e-14;         // of the cost: a predicted decrease below this cannot be measured
 constexpr double kConvergedDamping = 1e-2;  // a step damped more than this is short because of λ, not because the minimum is near
-constexpr double kLinearGain = 0.1;  // actual over predicted decrease this near to 1: the residuals are straight enough as they are
+constexpr double kLinearGain = 0.1;         // actual over predicted decrease this near to 1: the residuals are straight enough as they are
+
+void require_unknowns(const Resolved& resolved) {
+  if (resolved.tangent_dim() == 0) fail<BadProblem>("every variable that a factor touches is fixed; there is nothing to solve for");
+}
 
 }  // namespace
 
-Irls::Irls(Options chosen) : Backend(std::move(chosen)) {}
+Irls::Irls(Options chosen) : Backend(std::move(chosen)), rows_(std::make_unique<LinearRows>()) {}
 Irls::~Irls() = default;
 
 Curvature Irls::curvature(const Graph& graph, bool linear) const {
   if (options.reweighting == Reweighting::irls) return Curvature::irls;
   if (options.reweighting == Reweighting::newton) return Curvature::newton;
-  const bool convex = std::all_of(graph.batches().begin(), graph.batches().end(), [](const auto& batch) { return batch->loss().is_convex(); });
+  const bool convex =
+      std::all_of(graph.batches().begin(), graph.batches().end(), [](const auto& batch) { return batch->loss().is_convex(); });
   return linear && convex ? Curvature::newton : Curvature::irls;
 }
 
 Summary Irls::minimize(const Graph& graph, Values& values) {
   Progress progress(options, kMaxIterations);
+  const bool linear = std::all_of(graph.batches().begin(), graph.batches().end(), [](const auto& batch) { return batch->is_linear(); });
+  if (linear && rows_->load(graph, values)) {
+    require_unknowns(rows_->resolved());
+    progress.watch.lap(progress.summary.seconds_setup);
+    minimize_rows(graph, values, progress);
+    return std::move(progress.summary);
+  }
   if (!workspace_ || !workspace_->resolved.matches(graph, values) || workspace_->pool.threads() != options.threads)
     workspace_ = std::make_unique<Workspace>(graph, values, options.threads);
   Workspace& w = *workspace_;
-  if (w.resolved.tangent_dim() == 0) fail<BadProblem>("every variable that a factor touches is fixed; there is nothing to solve for");
+  require_unknowns(w.resolved);
   w.best.assign(values);
   w.candidate.assign(values);
   progress.watch.lap(progress.summary.seconds_setup);
-  if (std::all_of(graph.batches().begin(), graph.batches().end(), [](const auto& batch) { return batch->is_linear(); }))
+  if (linear)
     minimize_linear(graph, progress);
   else
     minimize_nonlinear(graph, progress);

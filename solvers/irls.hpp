@@ -14,6 +14,7 @@
 namespace holdfast {
 
 class Progress;
+class LinearRows;
 
 class Irls final : public Backend {
  public:
@@ -26,12 +27,17 @@ class Irls final : public Backend {
 
  private:
   struct Workspace;
+  struct Fronts;
   void minimize_nonlinear(const Graph& graph, Progress& progress);
   bool step_nonlinear(const Graph& graph, Progress& progress, double gradient_norm, double& cost, double& predicted);
   void minimize_linear(const Graph& graph, Progress& progress);
+  void minimize_rows(const Graph& graph, Values& values, Progress& progress);
+  template <class Model>
+  void descend(const Graph& graph, const Values& start, Model& model, Progress& progress);
   Curvature curvature(const Graph& graph, bool linear) const;
 
   std::unique_ptr<Workspace> workspace_;
+  std::unique_ptr<LinearRows> rows_;
 };
 
 }  // namespace holdfast

@@ -35,8 +35,8 @@ struct Irls::Workspace {
   std::vector<double> damping, diagonal, rhs, step, tangent;
   std::vector<std::vector<int>> offsets;  // by batch: where each variable's part of a tangent begins
   std::vector<double> bend, acceleration;
-  // Of linear problems only: residuals, Jacobians and J δ of each batch.
-  std::vector<std::vector<double>> r, J, Jd;
+  // Of linear problems only: residuals, Jacobians, J δ and the weights of the rows, of each batch.
+  std::vector<std::vector<double>> r, J, Jd, row_weights;
   std::vector<double> total;  // the way from the start, in the tangent
 
   Workspace(const Graph& graph, const Values& values, int threads);

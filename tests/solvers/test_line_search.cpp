@@ -10,7 +10,7 @@ namespace {
 /// A batch of priors under a loss, its residuals at a point and their change along a direction.
 struct Line {
   Graph graph;
-  std::vector<double> r, Jd;
+  std::vector<double> r, Jd, weights;
 
   explicit Line(const Loss& loss) {
     std::mt19937_64 rng(3);
@@ -21,8 +21,12 @@ struct Line {
         Jd.push_back(uniform(rng, -5, 5));
       }
     }
+    weights.resize(r.size());
+    weights_of_rows(*graph.batches()[0], weights.data());
   }
-  Phi at(double alpha) const { return phi_of_batch(*graph.batches()[0], r.data(), Jd.data(), alpha); }
+  Phi at(double alpha) const {
+    return phi_of_rows(graph.batches()[0]->loss(), static_cast<int>(r.size()), 3, weights.data(), r.data(), Jd.data(), alpha);
+  }
   double cost(double alpha) const {
     double sum = 0;
     for (int i = 0; i < 20; ++i) {
@@ -62,6 +66,20 @@ TEST(MinimizeAlong, FindsTheMinimumOfAParabolaAnywhere) {
     const auto parabola = [&](double a) { return Phi{(a - at) * (a - at), 2 * (a - at), 2}; };
     EXPECT_NEAR(minimize_along(parabola(0), 1e-6, parabola), at, 1e-5 * at);
   }
+}
+
+// Beyond α = 1e-5 the slope has saturated, as under Huber along a direction that the model takes for flat.
+TEST(MinimizeAlong, ComesBackFromFarOutInAFewSteps) {
+  int evaluations = 0;
+  const auto kink = [&](double a) {
+    ++evaluations;
+    const double x = (a - 1e-5) * 1e6;
+    return Phi{std::sqrt(1 + x * x), 1e6 * x / std::sqrt(1 + x * x), 1e12 / std::pow(1 + x * x, 1.5)};
+  };
+  const Phi start = kink(0);
+  evaluations = 0;
+  EXPECT_NEAR(minimize_along(start, 0.1, kink), 1e-5, 1e-6);
+  EXPECT_LE(evaluations, 8);
 }
 
 TEST(MinimizeAlong, NeverGoesUp) {
