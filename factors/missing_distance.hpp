@@ -85,6 +85,7 @@ struct MissingDistance {
     return d_prev + variance / (sigma * sigma + variance) * excess;
   }
 
+  Vector<1> raw(const Vector<1>& r) const { return std::hypot(sigma, rho) * r; }  ///< [m]
   void validate() const {
     require_not_negative("MissingDistance.d_prev", d_prev);
     require_positive("MissingDistance.sigma", sigma);

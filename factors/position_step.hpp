@@ -23,6 +23,7 @@ struct PositionStep {
     return displacement(a, b) / beta;
   }
 
+  Vector<residual_dim> raw(const Vector<residual_dim>& r) const { return beta * r; }  ///< [m]
   void validate() const { require_positive("PositionStep.beta", beta); }
 };
 

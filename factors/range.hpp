@@ -25,6 +25,7 @@ struct Range {
 
   RangeBall<A, B> relaxed() const { return {distance, sigma}; }
 
+  Vector<1> raw(const Vector<1>& r) const { return sigma * r; }  ///< [m]
   void validate() const {
     require_not_negative("Range.distance", distance);
     require_positive("Range.sigma", sigma);

@@ -26,6 +26,7 @@ struct RangeBall {
     return Vector<1>(inside ? 0 : (norm.value - distance) / sigma);
   }
 
+  Vector<1> raw(const Vector<1>& r) const { return sigma * r; }  ///< [m]
   void validate() const {
     require_not_negative("RangeBall.distance", distance);
     require_positive("RangeBall.sigma", sigma);

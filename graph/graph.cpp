@@ -75,6 +75,15 @@ FactorId Graph::add_batch(std::unique_ptr<FactorBatch> batch, const std::vector<
   return enter(*batches_.back(), keys.data(), 1.0);
 }
 
+FactorId Graph::add(const LinearPrior& prior) {
+  check_new([] { return std::string("LinearPrior"); }, prior.keys.data(), prior.keys.size(), Loss{}, prior.rows, 1.0);
+  validated(prior, prior.keys.data(), prior.keys.size());
+  auto it = std::find_if(batches_.begin(), batches_.end(), [](const auto& b) { return b->factor_type() == typeid(LinearPrior) && b->size() == 0; });
+  if (it == batches_.end()) it = batches_.insert(it, std::make_unique<LinearPriorBatch>());
+  static_cast<LinearPriorBatch&>(**it).hold(prior);
+  return enter(**it, prior.keys.data(), 1.0);
+}
+
 bool Graph::contains(FactorId id) const {
   return id.number >= 0 && id.number < static_cast<int>(places_.size()) && places_[id.number].batch >= 0 &&
          places_[id.number].generation == id.generation;
@@ -116,6 +125,8 @@ void Graph::set_weight(FactorId id, double weight) {
 
 void Graph::set_loss(int batch, const Loss& loss) {
   loss.validate(batches_[batch]->residual_dim());
+  if (batches_[batch]->factor_type() == typeid(LinearPrior) && loss.kind != Loss::Kind::Squared)
+    fail<BadOption>("LinearPrior: its loss is squared, since its terms were weighed when it was made; ", loss.str(), " cannot be laid on them");
   batches_[batch]->loss_ = loss;
 }
 

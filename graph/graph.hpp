@@ -2,7 +2,8 @@
 // answer of every back-end.
 #pragma once
 
-#include <holdfast/graph/batch.hpp>
+#include <holdfast/graph/factor_type.hpp>
+#include <holdfast/graph/linear_prior.hpp>
 #include <optional>
 #include <unordered_set>
 
@@ -49,12 +50,15 @@ class Graph {
     batch.factors_.push_back(factor);
     return enter(batch, keys.data(), weight);
   }
+  /// The factor of run-time size (graph/linear_prior.hpp). Throws BadNumber, BadKey.
+  FactorId add(const LinearPrior& prior);
   void remove(FactorId id);
   bool contains(FactorId id) const;
 
   /// The factor itself: its numbers may be changed between solves, the structure stays.
   template <class F>
   F& at(FactorId id) {
+    static_assert(!std::is_same_v<F, LinearPrior>, "what follows from a LinearPrior's numbers is kept: remove it, and add another");
     return const_cast<F&>(static_cast<const Graph*>(this)->at<F>(id));
   }
   template <class F>
@@ -62,7 +66,10 @@ class Graph {
     const Place& place = checked(id);
     const FactorBatch& batch = *batches_[place.batch];
     if (batch.factor_type() != typeid(F)) fail<BadType>("factor ", batch.describe(place.index), " is no ", factor_name<F>());
-    return static_cast<const Batch<F>&>(batch).factors()[place.index];
+    if constexpr (std::is_same_v<F, LinearPrior>)
+      return static_cast<const LinearPriorBatch&>(batch).prior();
+    else
+      return static_cast<const Batch<F>&>(batch).factors()[place.index];
   }
 
   /// Changes the weight of a factor; the structure stays. Throws BadKey, BadNumber.
@@ -106,8 +113,10 @@ class Graph {
   FactorId add_batch(std::unique_ptr<FactorBatch> batch, const std::vector<Key>& keys);
 
  private:
+  friend struct BinaryIo;
   template <class F>
   Batch<F>& batch_for(const Loss& loss) {
+    (void)detail::factor_type_is_entered<F>;
     for (auto& batch : batches_)
       if (batch->factor_type() == typeid(F) && batch->loss() == loss) return static_cast<Batch<F>&>(*batch);
     batches_.push_back(std::make_unique<Batch<F>>(loss));

@@ -14,6 +14,7 @@ struct Kinematic {
   static constexpr int order = Order;  ///< 1: position; 2: and velocity; 3: and acceleration
   static constexpr int dim = Axes * Order;
   static constexpr int space_dim = Axes;
+  static constexpr bool is_vector_space = true;
   using Tangent = VectorT<T, dim>;
   using Position = VectorT<T, Axes>;
   template <class U>
@@ -92,6 +93,7 @@ using Accel3 = Accel3T<double>;
 template <class T>
 struct ScalarT {
   static constexpr int dim = 1;
+  static constexpr bool is_vector_space = true;
   using Tangent = VectorT<T, 1>;
   template <class U>
   using rebind = ScalarT<U>;

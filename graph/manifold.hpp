@@ -8,6 +8,8 @@
 //     V retract(const VectorT<T, dim>& delta) const;         // x ⊕ δ
 //     VectorT<T, dim> local(const V& other) const;           // other ⊖ x: x.retract(x.local(y)) == y
 //     bool is_finite() const;
+//     static constexpr bool is_vector_space = true;          // where retract adds
+//     Matrix<dim, dim> local_jacobian(const V& other) const; // d local(other ⊕ δ) / dδ at δ = 0; without it: by dual numbers
 //     // where it has a position in the world:
 //     static constexpr int space_dim;                        // 2 or 3
 //     VectorT<T, space_dim> position() const;                // p_world [m]
@@ -33,6 +35,17 @@ struct SpaceDim : std::integral_constant<int, 0> {};
 template <class V>
 struct SpaceDim<V, std::void_t<decltype(V::space_dim)>> : std::integral_constant<int, V::space_dim> {};
 }  // namespace detail
+
+namespace detail {
+template <class V, class = void>
+struct IsVectorSpace : std::false_type {};
+template <class V>
+struct IsVectorSpace<V, std::enable_if_t<V::is_vector_space>> : std::true_type {};
+}  // namespace detail
+
+/// Differences of such variables are linear in them.
+template <class V>
+inline constexpr bool is_vector_space = detail::IsVectorSpace<V>::value;
 
 /// 2 or 3 for a variable with a position, 0 for one without.
 template <class V>

@@ -63,6 +63,7 @@ struct Pose2T {
     const VectorT<T, 2> turn = to_body(other.heading);
     return {other.p[0] - p[0], other.p[1] - p[1], atan2(turn[1], turn[0])};
   }
+  static Matrix<3, 3> local_jacobian(const Pose2T&) { return Matrix<3, 3>::Identity(); }
   bool is_finite() const { return p.array().isFinite().all() && heading.array().isFinite().all(); }
 
   VectorT<T, 2> position() const { return p; }

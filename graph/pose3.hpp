@@ -45,6 +45,12 @@ struct Pose3T {
     delta.template tail<3>() = so3::log<T>(q.conjugate() * other.q);
     return delta;
   }
+  /// The rotation's is J_r⁻¹ (Solà et al., "A micro Lie theory", 144).
+  Matrix<6, 6> local_jacobian(const Pose3T& other) const {
+    Matrix<6, 6> J = Matrix<6, 6>::Identity();
+    J.template bottomRightCorner<3, 3>() = so3::right_jacobian_inverse(so3::log<T>(q.conjugate() * other.q));
+    return J;
+  }
   bool is_finite() const { return p.array().isFinite().all() && q.coeffs().array().isFinite().all(); }
 
   VectorT<T, 3> position() const { return p; }

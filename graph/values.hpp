@@ -4,6 +4,7 @@
 #include <cstring>
 #include <holdfast/graph/error.hpp>
 #include <holdfast/graph/key.hpp>
+#include <holdfast/graph/local_jacobian.hpp>
 #include <holdfast/graph/variables.hpp>
 #include <memory>
 #include <typeindex>
@@ -22,18 +23,24 @@ class PoolBase {
   virtual int dim() const = 0;
   virtual int ambient() const = 0;    ///< doubles per variable
   virtual int space() const = 0;      ///< 2 or 3; 0 without a position
+  virtual bool is_vector_space() const = 0;
+  virtual const PoolBase& kind() const = 0;  ///< Pool<V>::prototype()
   virtual std::unique_ptr<PoolBase> clone() const = 0;
-  virtual void assign(const PoolBase& other) = 0;  ///< the same structure: copies the variables, allocates nothing
+  virtual void assign(const PoolBase& other) = 0;  ///< copies the variables, not the keys; of as many, allocates nothing
   virtual void retract(int i, const PoolBase& from, const double* delta) = 0;  ///< this[i] = from[i] ⊕ δ
   virtual void local(int i, const PoolBase& other, double* delta) const = 0;   ///< δ = other[i] ⊖ this[i]
   /// The same on ambient coordinates that live elsewhere (foreign solvers own their memory).
   virtual void retract_ambient(const double* x, const double* delta, double* out) const = 0;
   virtual void local_ambient(const double* from, const double* to, double* delta) const = 0;
+  virtual void local_jacobian_ambient(const double* from, const double* to, double* J) const = 0;  ///< d local(to ⊕ δ) / dδ, column-major
   virtual bool is_finite(int i) const = 0;
   virtual double* data(int i) = 0;  ///< the ambient coordinates
+  const double* data(int i) const { return const_cast<PoolBase*>(this)->data(i); }
   virtual void position(int i, double* p) const = 0;
   virtual void rigid_motion(int i, const double* v, const double* w, double* motion) const = 0;
   virtual void remove(int i) = 0;  ///< the last one takes its place
+  virtual void remove(const std::vector<char>& gone) = 0;  ///< every i where gone[i]; the others keep their order
+  virtual void push_ambient(Key key, const double* x) = 0;
 
   const std::vector<Key>& keys() const { return keys_; }
   int size() const { return static_cast<int>(keys_.size()); }
@@ -53,6 +60,8 @@ class Pool final : public PoolBase {
   int dim() const override { return V::dim; }
   int ambient() const override { return ambient_dim<V>; }
   int space() const override { return space_dim<V>; }
+  bool is_vector_space() const override { return holdfast::is_vector_space<V>; }
+  const PoolBase& kind() const override { return prototype(); }
   std::unique_ptr<PoolBase> clone() const override { return std::make_unique<Pool>(*this); }
   void assign(const PoolBase& other) override { values_ = static_cast<const Pool&>(other).values_; }
   void retract(int i, const PoolBase& from, const double* delta) override {
@@ -67,6 +76,9 @@ class Pool final : public PoolBase {
   }
   void local_ambient(const double* from, const double* to, double* delta) const override {
     Eigen::Map<Vector<V::dim>>(delta, V::dim) = from_ambient(from).local(from_ambient(to));
+  }
+  void local_jacobian_ambient(const double* from, const double* to, double* J) const override {
+    Eigen::Map<Matrix<V::dim, V::dim>>(J, V::dim, V::dim) = local_jacobian(from_ambient(from), from_ambient(to));
   }
   bool is_finite(int i) const override { return values_[i].is_finite(); }
   double* data(int i) override { return reinterpret_cast<double*>(&values_[i]); }
@@ -86,6 +98,27 @@ class Pool final : public PoolBase {
     keys_[i] = keys_.back();
     keys_.pop_back();
   }
+  void remove(const std::vector<char>& gone) override {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+      if (gone[i]) continue;
+      values_[kept] = values_[i];
+      keys_[kept++] = keys_[i];
+    }
+    values_.resize(kept);
+    keys_.resize(kept);
+  }
+  void push_ambient(Key key, const double* x) override {
+    values_.push_back(from_ambient(x));
+    keys_.push_back(key);
+  }
+
+  /// An empty pool: what is known of the type V, for those who meet its variables without knowing it.
+  static const PoolBase& prototype() {
+    (void)entered_;
+    static const Pool pool;
+    return pool;
+  }
 
   std::vector<V>& values() { return values_; }
   const std::vector<V>& values() const { return values_; }
@@ -97,9 +130,18 @@ class Pool final : public PoolBase {
     std::memcpy(static_cast<void*>(&v), x, sizeof(V));
     return v;
   }
+  static const bool entered_;
 
   std::vector<V> values_;
 };
+
+/// The prototype of the variable type of this name ("Pose2"); null where this program has no code that inserts one.
+const PoolBase* find_variable_type(std::string_view name);
+/// Enters a type; a program's own types are entered before main().
+bool enter_variable_type(const PoolBase& prototype);
+
+template <class V>
+const bool Pool<V>::entered_ = enter_variable_type(Pool<V>::prototype());
 
 /// A type of another library that Values takes and gives in place of one of ours. An adapter specialises it with
 ///   using type = Pose2;  static Pose2 ours(const T&);  static T theirs(const Pose2&);
@@ -132,9 +174,10 @@ class Values {
       insert(key, StandsFor<V>::ours(value));
     } else {
       require_new(key);
-      Pool<V>& pool = pool_of<V>();
+      const int pool = pool_of(Pool<V>::prototype());
       claim(key, pool);
-      pool.values_.push_back(value);
+      static_cast<Pool<V>&>(*pools_[pool]).values_.push_back(value);
+      pools_[pool]->keys_.push_back(key);
     }
   }
   /// Throws BadKey where the key is missing, BadType where it holds another type.
@@ -157,7 +200,11 @@ class Values {
   detail::IfForeign<V> at(Key key) const {
     return StandsFor<V>::theirs(at<typename StandsFor<V>::type>(key));
   }
-  void erase(Key key);
+  void erase(Key key);  ///< the last one of its type takes its place
+  /// Several at once; the others keep their order. Throws BadKey, and then nothing is erased.
+  void erase(const std::vector<Key>& keys);
+  /// A variable from its ambient coordinates, of the type of a pool (Pool<V>::prototype()) that the caller may not know.
+  void insert_ambient(Key key, const PoolBase& type, const double* x);
 
   bool contains(Key key) const { return slots_.count(key) != 0; }
   template <class V>
@@ -187,23 +234,24 @@ class Values {
 
   /// Changes whenever a key comes or goes; two Values with the same stamp have the same keys in the same slots.
   std::uint64_t structure() const { return structure_; }
-  /// Copies the variables of a Values of the same structure; allocates nothing.
+  /// Copies the variables of a Values of the same structure; allocates nothing. (Nor does `=`, of no more variables of the same types than before.)
   void assign(const Values& other);
 
  private:
-  template <class V>
-  Pool<V>& pool_of() {
-    for (auto& pool : pools_)
-      if (pool->type() == typeid(V)) return static_cast<Pool<V>&>(*pool);
-    pools_.push_back(std::make_unique<Pool<V>>());
-    return static_cast<Pool<V>&>(*pools_.back());
-  }
+  friend struct BinaryIo;
   void require_new(Key key) const;
-  void claim(Key key, PoolBase& pool);
+  void claim(Key key, int pool);
+  int pool_of(const PoolBase& type);
+  void place(Key key, const Slot& slot);
+  void forget(Key key);
+  void take_structure(const Values& other);
   const Slot& checked(Key key, std::type_index type, const char* type_name) const;
 
   std::vector<std::unique_ptr<PoolBase>> pools_;
-  std::unordered_map<Key, Slot> slots_;
+  using Slots = std::unordered_map<Key, Slot>;
+  Slots slots_;
+  std::vector<Slots::node_type> spare_;  ///< of erased keys: a window that moves on allocates nothing
+  std::vector<char> gone_;
   std::uint64_t structure_;
 };
 
