@@ -49,6 +49,11 @@ struct Between {
     }
   }
 
+  template <class P = V, class = std::enable_if_t<is_pose<P>>>
+  const P& relative_pose() const {
+    return measured;
+  }
+
   void validate() const {
     if (!measured.is_finite()) fail<BadNumber>("Between.measured is not finite; leave the measurement out, or repair its source");
     require_finite("Between.sqrt_information", sqrt_information);

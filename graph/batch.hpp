@@ -74,6 +74,10 @@ class FactorBatch {
   virtual std::unique_ptr<FactorBatch> clone() const = 0;
   /// Its factors' convex counterparts (factor.hpp, relaxed()) under the same keys, weights and loss; null where they have none.
   virtual std::unique_ptr<FactorBatch> relaxed() const { return nullptr; }
+  /// Its factors say relative_pose() (factor.hpp).
+  virtual bool measures_relative_poses() const { return false; }
+  /// What factor i measures, a variable of types()[0], and its information, dim × dim.
+  virtual void relative_pose(int i, void* measured, double* information) const { (void)i, (void)measured, (void)information; }
   virtual void remove(int i) = 0;  ///< the last one takes its place
 
  protected:
@@ -288,6 +292,17 @@ class Batch final : public FactorBatch {
       return convex;
     } else {
       return nullptr;
+    }
+  }
+  bool measures_relative_poses() const override { return detail::HasRelativePose<F>::value; }
+  void relative_pose(int i, void* measured, double* information) const override {
+    if constexpr (detail::HasRelativePose<F>::value) {
+      using Pose = std::decay_t<decltype(factors_[i].relative_pose())>;
+      *static_cast<Pose*>(measured) = factors_[i].relative_pose();
+      const auto& W = factors_[i].sqrt_information;
+      Eigen::Map<Matrix<Pose::dim, Pose::dim>>{information} = W.transpose() * W;
+    } else {
+      FactorBatch::relative_pose(i, measured, information);
     }
   }
   void remove(int i) override {

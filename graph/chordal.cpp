@@ -59,13 +59,54 @@ class BlockSystem {
   Eigen::MatrixXd rhs_;
 };
 
-/// The relative poses of one type. Node numbers follow the keys.
+template <class Pose>
+struct RelativePose {
+  Key first, second;
+  Pose measured;
+  Matrix<Pose::dim, Pose::dim> information;
+};
+
+/// What there is to know of the poses of one type.
+template <class Pose>
+struct PoseGraph {
+  std::vector<RelativePose<Pose>> edges;  // none of a pose to itself
+  std::vector<Key> fixed;
+  std::vector<std::pair<Key, Pose>> priors;
+};
+
+template <class Pose>
+PoseGraph<Pose> pose_graph_of(const Dataset& dataset) {
+  PoseGraph<Pose> result;
+  for (const Edge& edge : dataset.edges) {
+    if (const auto* pose = std::get_if<RelativePoseEdge<Pose>>(&edge.measurement); pose != nullptr && pose->first != pose->second)
+      result.edges.push_back({pose->first, pose->second, pose->measured, pose->information()});
+    if (const auto* prior = std::get_if<PriorEdge<Pose>>(&edge.measurement)) result.priors.emplace_back(prior->key, prior->measured);
+  }
+  for (const Fixed& fixed : dataset.fixed) result.fixed.push_back(fixed.key);
+  return result;
+}
+
+template <class Pose>
+PoseGraph<Pose> pose_graph_of(const Graph& graph) {
+  PoseGraph<Pose> result;
+  for (const auto& batch : graph.batches()) {
+    if (!batch->measures_relative_poses() || batch->types()[0] != typeid(Pose)) continue;
+    for (int i = 0; i < batch->size(); ++i) {
+      RelativePose<Pose> edge{batch->keys(i)[0], batch->keys(i)[1], {}, {}};
+      batch->relative_pose(i, &edge.measured, edge.information.data());
+      result.edges.push_back(edge);
+    }
+  }
+  result.fixed.assign(graph.fixed().begin(), graph.fixed().end());
+  return result;
+}
+
+/// Node numbers follow the keys.
 template <class Pose>
 class ChordalStart {
  public:
-  ChordalStart(const Dataset& dataset, const Values& fallback) : dataset_(dataset) {
-    for (const Edge& edge : dataset.edges)
-      if (const auto* pose = relative_pose(edge)) number_.try_emplace(pose->first), number_.try_emplace(pose->second);
+  ChordalStart(const PoseGraph<Pose>& graph, const Values& fallback) : graph_(graph) {
+    for (const auto& edge : graph_.edges) number_.try_emplace(edge.first), number_.try_emplace(edge.second);
     for (auto& [key, number] : number_) {
       number = static_cast<int>(poses_.size());
       poses_.push_back(fallback.at<Pose>(key));
@@ -74,29 +115,27 @@ class ChordalStart {
     hold();
   }
 
-  /// Puts the poses of every part that could be solved into `values`.
-  void solve(Values& values) {
-    std::vector<std::vector<const RelativePoseEdge<Pose>*>> edges(poses_.size());
-    for (const Edge& edge : dataset_.edges)
-      if (const auto* pose = relative_pose(edge)) edges[part_[number_.at(pose->first)]].push_back(pose);
-    for (std::size_t part = 0; part < edges.size(); ++part)
-      if (!edges[part].empty() && number_unknowns(static_cast<int>(part)) && solve_rotations(edges[part])) {
-        solve_translations(edges[part]);
-        for (const auto& [key, number] : number_)
-          if (part_[number] == static_cast<int>(part)) values.update(key, poses_[number]);
+  /// Puts the poses of every part that could be solved into `values`; false where one could not.
+  bool solve(Values& values) {
+    bool all = true;
+    std::vector<std::vector<const RelativePose<Pose>*>> edges(poses_.size());
+    for (const auto& edge : graph_.edges) edges[part_[number_.at(edge.first)]].push_back(&edge);
+    for (std::size_t part = 0; part < edges.size(); ++part) {
+      if (edges[part].empty() || !number_unknowns(static_cast<int>(part))) continue;
+      if (!solve_rotations(edges[part]) || !solve_translations(edges[part])) {
+        all = false;
+        continue;
       }
+      for (const auto& [key, number] : number_)
+        if (part_[number] == static_cast<int>(part)) values.update(key, poses_[number]);
+    }
+    return all;
   }
 
  private:
   static constexpr int n = Pose::space_dim;
   using System = BlockSystem<n>;
   using Square = Matrix<n, n>;
-
-  /// Null for another measurement, and for one of a pose to itself.
-  static const RelativePoseEdge<Pose>* relative_pose(const Edge& edge) {
-    const auto* pose = std::get_if<RelativePoseEdge<Pose>>(&edge.measurement);
-    return pose != nullptr && pose->first != pose->second ? pose : nullptr;
-  }
 
   int root(int node) {
     while (part_[node] != node) node = part_[node] = part_[part_[node]];
@@ -106,26 +145,24 @@ class ChordalStart {
   void find_parts() {
     part_.resize(poses_.size());
     std::iota(part_.begin(), part_.end(), 0);
-    for (const Edge& edge : dataset_.edges)
-      if (const auto* pose = relative_pose(edge)) {
-        const int a = root(number_.at(pose->first)), b = root(number_.at(pose->second));
-        part_[std::max(a, b)] = std::min(a, b);
-      }
+    for (const auto& edge : graph_.edges) {
+      const int a = root(number_.at(edge.first)), b = root(number_.at(edge.second));
+      part_[std::max(a, b)] = std::min(a, b);
+    }
     for (int node = 0; node < static_cast<int>(part_.size()); ++node) part_[node] = root(node);
   }
 
   void hold() {
     held_.assign(poses_.size(), false);
     std::set<int> parts_held;
-    for (const Fixed& fixed : dataset_.fixed)
-      if (const auto it = number_.find(fixed.key); it != number_.end()) {
+    for (const Key key : graph_.fixed)
+      if (const auto it = number_.find(key); it != number_.end()) {
         held_[it->second] = true;
         parts_held.insert(part_[it->second]);
       }
     std::map<int, Pose> priors;
-    for (const Edge& edge : dataset_.edges)
-      if (const auto* prior = std::get_if<PriorEdge<Pose>>(&edge.measurement))
-        if (const auto it = number_.find(prior->key); it != number_.end()) priors.try_emplace(it->second, prior->measured);
+    for (const auto& [key, measured] : graph_.priors)
+      if (const auto it = number_.find(key); it != number_.end()) priors.try_emplace(it->second, measured);
     for (const auto& [node, pose] : priors)
       if (parts_held.insert(part_[node]).second) {
         held_[node] = true;
@@ -145,10 +182,10 @@ class ChordalStart {
   }
 
   /// In transposes, which stand in columns: R_jᵀ = R_ijᵀ R_iᵀ.
-  bool solve_rotations(const std::vector<const RelativePoseEdge<Pose>*>& edges) {
+  bool solve_rotations(const std::vector<const RelativePose<Pose>*>& edges) {
     System system(unknown_, unknowns_, n);
     for (const auto* edge : edges) {
-      const double kappa = edge->information().diagonal().template tail<Pose::dim - n>().mean();
+      const double kappa = edge->information.diagonal().template tail<Pose::dim - n>().mean();
       const int i = number_.at(edge->first), j = number_.at(edge->second);
       system.add(i, j, edge->measured.rotation().transpose(), kappa * Square::Identity(), Square::Zero(), poses_[i].rotation().transpose(),
                  poses_[j].rotation().transpose());
@@ -173,22 +210,23 @@ class ChordalStart {
       pose.q = typename Pose::Rotation(R).normalized();
   }
 
-  void solve_translations(const std::vector<const RelativePoseEdge<Pose>*>& edges) {
+  bool solve_translations(const std::vector<const RelativePose<Pose>*>& edges) {
     System system(unknown_, unknowns_, 1);
     for (const auto* edge : edges) {
       const int i = number_.at(edge->first), j = number_.at(edge->second);
       const Square R_world_measured = poses_[i].rotation() * edge->measured.rotation();
-      const Square in_measured = edge->information().template topLeftCorner<n, n>();
+      const Square in_measured = edge->information.template topLeftCorner<n, n>();
       system.add(i, j, Square::Identity(), R_world_measured * in_measured * R_world_measured.transpose(),
                  poses_[i].to_world(edge->measured.p), poses_[i].p, poses_[j].p);
     }
     const Eigen::MatrixXd positions = system.solve();
-    if (positions.size() == 0) return;
+    if (positions.size() == 0) return false;
     for (std::size_t node = 0; node < poses_.size(); ++node)
       if (unknown_[node] >= 0) poses_[node].p = positions.middleRows<n>(n * unknown_[node]);
+    return true;
   }
 
-  const Dataset& dataset_;
+  const PoseGraph<Pose>& graph_;
   std::map<Key, int> number_;
   std::vector<Pose> poses_;
   std::vector<int> part_;
@@ -218,9 +256,30 @@ Dataset with_poses(const Dataset& dataset, const Values& values) {
 
 Values chordal_start(const Dataset& dataset) {
   Values values = vertex_start(dataset);
-  ChordalStart<Pose2>(dataset, values).solve(values);
-  ChordalStart<Pose3>(dataset, values).solve(values);
+  ChordalStart<Pose2>(pose_graph_of<Pose2>(dataset), values).solve(values);
+  ChordalStart<Pose3>(pose_graph_of<Pose3>(dataset), values).solve(values);
   return vertex_start(with_poses(dataset, values));
+}
+
+bool chordal_start(const Graph& graph, Values& values) {
+  for (const auto& batch : graph.batches())
+    for (int k = 0; k < batch->arity(); ++k)
+      if (batch->types()[k] != typeid(Pose2) && batch->types()[k] != typeid(Pose3))
+        for (int i = 0; i < batch->size(); ++i)
+          if (!graph.is_fixed(batch->keys(i)[k])) return false;
+  const auto flat = pose_graph_of<Pose2>(graph);
+  const auto spatial = pose_graph_of<Pose3>(graph);
+  std::unordered_set<Key> reached;
+  for (const auto& edge : flat.edges) reached.insert({edge.first, edge.second});
+  for (const auto& edge : spatial.edges) reached.insert({edge.first, edge.second});
+  for (const auto& batch : graph.batches())
+    for (int i = 0; i < batch->size(); ++i)
+      for (int k = 0; k < batch->arity(); ++k)
+        if (const Key key = batch->keys(i)[k]; reached.count(key) == 0 && !graph.is_fixed(key)) return false;
+  Values start = values;
+  if (!ChordalStart<Pose2>(flat, start).solve(start) || !ChordalStart<Pose3>(spatial, start).solve(start)) return false;
+  values.assign(start);
+  return true;
 }
 
 }  // namespace holdfast

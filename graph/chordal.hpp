@@ -10,11 +10,16 @@
 // prior), else at its lowest pose, all but the prior where vertex_start has them. Moving what is held moves the part rigidly.
 #pragma once
 
+#include <holdfast/graph/graph.hpp>
 #include <holdfast/graph/start.hpp>
 
 namespace holdfast {
 
 /// Poses as above; every other key, and a part that cannot be solved (a singular information matrix), as in vertex_start.
 Values chordal_start(const Dataset& dataset);
+
+/// The same of a graph, from its factors that say relative_pose() (factor.hpp); a part without a fixed pose is held where its lowest pose
+/// is now, other factors are not looked at. False, and the values as they were, where that leaves a free variable without a place.
+bool chordal_start(const Graph& graph, Values& values);
 
 }  // namespace holdfast

@@ -18,6 +18,8 @@
 //   static constexpr bool is_linear = true;                 // constant Jacobian: r(x ⊕ δ) = r(x) + J δ exactly
 //   static constexpr bool is_convex = true;                 // ½‖r‖² is a convex function of the variables
 //   auto relaxed() const;                                   // its convex counterpart (convex_start)
+//   const Pose2& relative_pose() const;                     // the second variable in the frame of the first, as measured; its noise in a
+//                                                           // member sqrt_information (chordal_start)
 //   auto merged(int m) const;                               // one factor for m empty steps (Window)
 #pragma once
 
@@ -95,6 +97,10 @@ template <class F, class = void>
 struct HasRelaxed : std::false_type {};
 template <class F>
 struct HasRelaxed<F, std::void_t<decltype(std::declval<const F&>().relaxed())>> : std::true_type {};
+template <class F, class = void>
+struct HasRelativePose : std::false_type {};
+template <class F>
+struct HasRelativePose<F, std::void_t<decltype(std::declval<const F&>().relative_pose())>> : std::true_type {};
 std::string demangled(const std::type_info& type);
 }  // namespace detail
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <holdfast/graph/chordal.hpp>
 #include <holdfast/solvers/irls.hpp>
 #include <holdfast/solvers/irls_workspace.hpp>
 #include <holdfast/solvers/linear_rows.hpp>
@@ -55,14 +56,28 @@ Summary Irls::minimize(const Graph& graph, Values& values) {
 
 void Irls::minimize_nonlinear(const Graph& graph, Progress& progress) {
   Workspace& w = *workspace_;
-  Summary& summary = progress.summary;
-  const Curvature model = curvature(graph, false);
-  const double first = w.normal.linearize(graph, w.resolved, w.best, model, &w.pool);
-  progress.watch.lap(summary.seconds_linearize);
+  w.may_restart = options.restart;
+  w.other_start.reset();
+  const double first = linearize(graph, progress);
   if (!progress.begin(first, graph, w.resolved, w.best)) return;
-  double gradient_norm = max_norm(w.normal.gradient());
+  descend_nonlinear(graph, progress);
+  if (w.other_start && progress.summary.termination == Termination::converged) descend_from_other_start(graph, progress);
+}
+
+double Irls::linearize(const Graph& graph, Progress& progress) {
+  Workspace& w = *workspace_;
+  const double cost = w.normal.linearize(graph, w.resolved, w.best, curvature(graph, false), &w.pool);
+  progress.watch.lap(progress.summary.seconds_linearize);
+  return cost;
+}
+
+// From `best`, where the problem has been linearised.
+void Irls::descend_nonlinear(const Graph& graph, Progress& progress) {
+  Workspace& w = *workspace_;
+  Summary& summary = progress.summary;
   w.damper = Damping();
   w.bends = false;
+  double gradient_norm = max_norm(w.normal.gradient());
   while (!progress.gradient_is_flat(gradient_norm) && progress.go_on(gradient_norm)) {
     double cost = summary.cost, predicted = 0;
     if (!step_nonlinear(graph, progress, gradient_norm, cost, predicted)) break;
@@ -72,12 +87,46 @@ void Irls::minimize_nonlinear(const Graph& graph, Progress& progress) {
     const double gain = (before - cost) / predicted;
     w.damper.accept(gain);
     w.bends = std::abs(gain - 1) > kLinearGain;
-    w.normal.linearize(graph, w.resolved, w.best, model, &w.pool);
-    progress.watch.lap(summary.seconds_linearize);
+    linearize(graph, progress);
     gradient_norm = max_norm(w.normal.gradient());
     if (w.damper.lambda() <= kConvergedDamping && progress.decrease_is_small(before, cost)) break;
   }
   summary.gradient_norm = gradient_norm;
+}
+
+// After the first step that failed. True where the chordal start is the better place, and the descent goes on from there.
+bool Irls::restart(const Graph& graph, Progress& progress) {
+  Workspace& w = *workspace_;
+  if (!std::exchange(w.may_restart, false)) return false;
+  w.candidate.assign(w.best);
+  if (!chordal_start(graph, w.candidate)) return false;
+  const double cost = w.resolved.cost(graph, w.candidate, &w.pool);
+  progress.watch.lap(progress.summary.seconds_setup);
+  if (std::isfinite(cost) && cost >= progress.summary.cost) w.other_start = std::make_unique<Values>(w.candidate);
+  if (!(cost < progress.summary.cost)) return false;
+  std::swap(w.best, w.candidate);
+  progress.summary.cost = cost;
+  w.damper = Damping();
+  linearize(graph, progress);
+  w.read_diagonal();
+  return true;
+}
+
+void Irls::descend_from_other_start(const Graph& graph, Progress& progress) {
+  Workspace& w = *workspace_;
+  Summary& summary = progress.summary;
+  const Values end = w.best;
+  const double cost = summary.cost, gradient_norm = summary.gradient_norm;
+  const char* const rule = summary.rule;
+  w.best.assign(*w.other_start);
+  progress.best_elsewhere = cost;
+  summary.cost = linearize(graph, progress);
+  descend_nonlinear(graph, progress);
+  if (summary.cost < cost) return;
+  w.best.assign(end);
+  summary.cost = cost;
+  summary.gradient_norm = gradient_norm;
+  progress.end(Termination::converged, rule);
 }
 
 // Raises the damping until a step lowers the cost; false when the solve is over.
@@ -101,6 +150,7 @@ bool Irls::step_nonlinear(const Graph& graph, Progress& progress, double gradien
       progress.end(Termination::converged, "the model predicts no decrease beyond cost_tolerance");
       return false;
     }
+    if (restart(graph, progress)) continue;
     w.bends = true;
     if (!w.damper.reject()) {
       progress.end(Termination::converged, "no step, however short, lowers the cost");

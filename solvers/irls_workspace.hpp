@@ -32,6 +32,8 @@ struct Irls::Workspace {
   Damping damper;
   bool bends = false;  // the last step fell short of its model: the residuals are curved here
   Values best, candidate;
+  bool may_restart = false;
+  std::unique_ptr<Values> other_start;  // where a second descent is to begin
   std::vector<double> damping, diagonal, rhs, step, tangent;
   std::vector<std::vector<int>> offsets;  // by batch: where each variable's part of a tangent begins
   std::vector<double> bend, acceleration;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <holdfast/solvers/minimizer.hpp>
 
@@ -14,7 +15,7 @@ bool Progress::begin(double cost, const Graph& graph, const Resolved& resolved, 
 bool Progress::report(double gradient_norm) {
   summary.gradient_norm = gradient_norm;
   if (!options_.trace && !options_.progress) return true;
-  const Iteration iteration{summary.iterations, summary.cost, gradient_norm, watch.seconds()};
+  const Iteration iteration{summary.iterations, std::min(summary.cost, best_elsewhere), gradient_norm, watch.seconds()};
   if (options_.trace) summary.trace.push_back(iteration);
   return !options_.progress || options_.progress(iteration);
 }

@@ -15,6 +15,7 @@ class Progress {
 
   Summary summary;
   Stopwatch watch;
+  double best_elsewhere = std::numeric_limits<double>::infinity();  ///< the cost where an earlier descent of this solve ended
 
   /// The start; false where it cannot be solved from.
   bool begin(double cost, const Graph& graph, const Resolved& resolved, const Values& values);

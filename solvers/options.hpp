@@ -27,6 +27,7 @@ struct Options {
   int threads = 1;                   ///< 1 … 1024; in-house back-ends give the same bits for any number
   double time_limit = std::numeric_limits<double>::infinity();  ///< > 0 [s]; the best values so far are the answer
   Reweighting reweighting = Reweighting::automatic;  ///< of "irls"; other back-ends have their own
+  bool restart = true;               ///< of "irls": where Gauss–Newton fails on a pose graph, try its chordal start, too (irls.hpp)
   bool trace = false;                ///< keep every iteration in the Summary
   std::function<bool(const Iteration&)> progress;  ///< called after each iteration; false stops the solve
 

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <holdfast/adapters/dataset.hpp>
+#include <holdfast/factors/range.hpp>
 #include <holdfast/graph/chordal.hpp>
 #include <holdfast/graph/io_files.hpp>
 #include <holdfast/solvers/backend.hpp>
@@ -141,6 +142,32 @@ TEST(ChordalStart, LandmarksFollowThePosesThatSawThem) {
   EXPECT_EQ(values.at<Point2>(L(1)).value, Vector<2>(7, 8));
 }
 
+TYPED_TEST(Chordal, AGraphHasTheStartOfItsFile) {
+  Tangle<TypeParam> tangle(0.1);
+  tangle.data.fixed = {{x(0), 0}};
+  const Problem problem = make_problem(tangle.data, {});
+  std::mt19937_64 rng(8);
+  Values values = problem.start;
+  for (std::size_t k = 1; k < tangle.truth.size(); ++k) values.update(x(k), random_variable<TypeParam>(rng));  // where they are now is no matter
+  ASSERT_TRUE(chordal_start(problem.graph, values));
+  const Values expected = chordal_start(tangle.data);
+  for (std::size_t k = 0; k < tangle.truth.size(); ++k)
+    EXPECT_LT(values.at<TypeParam>(x(k)).local(expected.at<TypeParam>(x(k))).norm(), 1e-9) << k;
+}
+
+TEST(ChordalStart, LeavesAGraphAloneThatHasMoreThanPoses) {
+  const Tangle<Pose2> tangle(0.1);
+  Problem problem = make_problem(tangle.data, {});
+  constexpr Agent L('L');
+  problem.start.insert(L(0), Point2(1, 2));
+  problem.graph.add(Range<Pose2, Point2>{3, 1}, {x(4), L(0)});
+  Values values = problem.start;
+  EXPECT_FALSE(chordal_start(problem.graph, values));
+  EXPECT_EQ(values.at<Pose2>(x(7)).local(problem.start.at<Pose2>(x(7))).norm(), 0);
+  problem.graph.fix(L(0));
+  EXPECT_TRUE(chordal_start(problem.graph, values));
+}
+
 TEST(ChordalStart, ASingularPartStaysWhereItsVerticesAre) {
   Tangle<Pose3> tangle(0);
   for (Edge& edge : tangle.data.edges) {
@@ -186,12 +213,13 @@ Dataset noisy_cube(int side, double sigma_rotation, unsigned seed) {
   return data;
 }
 
-double cost_from(const Dataset& data, ProblemOptions::Start start, double* first = nullptr) {
+double cost_from(const Dataset& data, ProblemOptions::Start start, double* first = nullptr, bool restart = false) {
   const Problem problem = make_problem(data, {{}, start, 0});
   Values values = problem.start;
   Options options;
   options.max_iterations = 300;
   options.cost_tolerance = 1e-9;
+  options.restart = restart;
   const Summary summary = make_backend("irls", options)->solve(problem.graph, values);
   EXPECT_TRUE(summary.usable()) << summary.str();
   if (first != nullptr) *first = summary.cost_first;
@@ -205,6 +233,7 @@ TEST(ChordalStart, IsInTheBetterValleyOfANoisyCube) {
     double chordal_first, odometry_first;
     const double chordal = cost_from(data, ProblemOptions::Start::chordal, &chordal_first);
     const double odometry = cost_from(data, ProblemOptions::Start::odometry, &odometry_first);
+    EXPECT_LE(cost_from(data, ProblemOptions::Start::odometry, nullptr, true), std::min(chordal, odometry) * (1 + 1e-6)) << seed;
     std::cout << "  odometry " << odometry_first << " -> " << odometry << ", chordal " << chordal_first << " -> " << chordal << std::endl;
     EXPECT_LT(chordal_first, 0.1 * odometry_first);
     EXPECT_LE(chordal, odometry * (1 + 1e-6)) << seed;
