@@ -56,10 +56,16 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
 
   start_log(verbose);
   Terminal terminal{out, err, &err == &std::cerr && ::isatty(STDERR_FILENO) != 0};
-  try {
+  const auto run_command = [&] {
     if (solve_command->parsed()) return solve(solve_arguments, terminal);
     if (check_command->parsed()) return check_file(check_arguments, terminal);
     return bench(bench_arguments, terminal);
+  };
+  try {
+    const int code = run_command();
+    if (out.flush()) return code;
+    err << "holdfast: cannot write all of the results to the standard output; is the disk full?\n";
+    return kFailed;
   } catch (const BadOption& error) {
     err << "holdfast: " << error.what() << '\n';
     return kUsage;

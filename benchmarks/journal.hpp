@@ -15,7 +15,7 @@ class Journal {
 
   const std::string& path() const { return path_; }
   const std::vector<Json>& lines() const { return lines_; }
-  /// Adds a line, flushed to the disk.
+  /// Adds a line, flushed to the disk; BadFile where it cannot, and then the file holds none of it.
   void append(const Json& line) { append(std::vector<Json>{line}); }
   /// The same with several at once.
   void append(const std::vector<Json>& lines);

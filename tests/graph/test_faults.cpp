@@ -1,0 +1,89 @@
+// Files when things go wrong: whole or not there, whatever happens to the disk or to the program, and an error that says which and why.
+#include "../faults.hpp"
+
+#include <holdfast/graph/io_atomic.hpp>
+#include <holdfast/graph/io_tum.hpp>
+#include <random>
+
+#include "test_io_helpers.hpp"
+
+namespace holdfast {
+namespace {
+
+using faults::kill_while;
+using faults::SmallDisk;
+using testing_io::content;
+using testing_io::expect_message;
+using testing_io::TemporaryDirectory;
+
+/// Larger than the disks below.
+Dataset long_walk() {
+  Dataset dataset;
+  for (unsigned i = 0; i < 5000; ++i) dataset.vertices.push_back({Key('A', i), Pose2(0.1 * i, 0, 0), {}, 0.5 * i});
+  return dataset;
+}
+Values values_of(const Dataset& dataset) {
+  Values values;
+  for (const Vertex& vertex : dataset.vertices) values.insert(vertex.key, std::get<Pose2>(vertex.value));
+  return values;
+}
+
+TEST(FullDisk, LeavesTheOldFileAndNothingElse) {
+  const SmallDisk disk(64);
+  HOLDFAST_NEED_MOUNT(disk);
+  atomic_write(disk / "graph.pyfg", "old");
+  const Dataset walk = long_walk();
+  expect_message<BadFile>([&] { write_pyfg(disk / "graph.pyfg", walk); }, {"cannot write", "graph.pyfg", "No space left on device", "as it was"});
+  EXPECT_EQ(content(disk / "graph.pyfg"), "old");
+  EXPECT_EQ(disk.files(), 1u);
+}
+
+TEST(FullDisk, LeavesNoTrajectoryHalfWritten) {
+  const SmallDisk disk(64);
+  HOLDFAST_NEED_MOUNT(disk);
+  expect_message<BadFile>([&] { write_tum_directory(disk / "run", values_of(long_walk()), {}); }, {"cannot write", "run/A.tum", "No space left on device"});
+  EXPECT_EQ(disk.files(), 1u) << "more than the empty directory";
+}
+
+TEST(ReadOnlyDisk, IsNamed) {
+  const SmallDisk disk(64);
+  HOLDFAST_NEED_MOUNT(disk);
+  atomic_write(disk / "a", "old");
+  disk.make_read_only();
+  expect_message<BadFile>([&] { atomic_write(disk / "a", "new"); }, {"cannot write", disk / "a", "Read-only file system", "as it was"});
+  expect_message<BadFile>([&] { write_tum_directory(disk / "run", {}, {}); }, {"cannot make the directory", disk / "run", "Read-only"});
+  EXPECT_EQ(content(disk / "a"), "old");
+}
+
+TEST(ReadOnlyDirectory, IsNamed) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  const TemporaryDirectory directory;
+  std::filesystem::create_directory(directory / "d");
+  std::filesystem::permissions(directory / "d", std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  expect_message<BadFile>([&] { atomic_write(directory / "d/a", "new"); }, {"cannot write", directory / "d/a", "Permission denied"});
+}
+
+TEST(Killed, WhileWritingLeavesOneOfTheTwoTextsWhole) {
+  const TemporaryDirectory directory;
+  const std::string path = directory / "values", one(300000, 'a'), two(200000, 'b');
+  std::mt19937_64 rng(1);
+  for (int i = 0; i < 60; ++i) {
+    kill_while(
+        [&] {
+          atomic_write(path, one);
+          atomic_write(path, two);
+        },
+        std::chrono::microseconds(500 + rng() % 20000));
+    if (::testing::Test::HasFatalFailure()) return;
+    // Between its name and its last name a file may be killed, but then it is whole.
+    for (const auto& entry : std::filesystem::directory_iterator(directory / "")) {
+      const std::string text = content(entry.path().string());
+      ASSERT_TRUE(text == one || text == two) << entry.path() << " holds " << text.size() << " bytes";
+    }
+  }
+  EXPECT_TRUE(std::filesystem::exists(path)) << "never written in all this time";
+  EXPECT_LE(directory.files(), 5u) << "what killed programs left behind";
+}
+
+}  // namespace
+}  // namespace holdfast
