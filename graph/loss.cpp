@@ -17,6 +17,10 @@ constexpr std::array<const char*, 10> kNames{"squared", "absolute",      "huber"
 
 const char* name_of(Loss::Kind kind) { return kNames[static_cast<std::size_t>(kind)]; }
 
+// Within these the square of a threshold is a number that can be divided by.
+constexpr double kLeast = 1e-100, kLargest = 1e100;
+bool is_threshold(double scale) { return scale >= kLeast && scale <= kLargest; }
+
 Rho huber(double s, double a) {
   if (s <= a * a) return {s, 1, 0};
   const double root = std::sqrt(s);
@@ -71,8 +75,8 @@ Rho Loss::rho(double s, int d) const {
 }
 
 void Loss::validate(int residual_dim) const {
-  if (!(std::isfinite(scale) && scale > 0))
-    fail<BadNumber>("loss ", str(), ": its threshold ", scale, " must be finite and > 0 [sigmas]");
+  if (!is_threshold(scale))
+    fail<BadNumber>("loss ", str(), ": its threshold ", scale, " must be finite and > 0, from ", kLeast, " to ", kLargest, " [sigmas]");
   if (one_sided && !per_component && residual_dim != 1)
     fail<BadOption>("loss ", str(), " is one-sided, but a block of ", residual_dim, " components has no sign; use per_component(…)");
 }
@@ -113,7 +117,7 @@ Loss Loss::parse(std::string_view text) {
       loss.one_sided = true;
     } else {
       const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), loss.scale);
-      if (has_scale || error != std::errc{} || end != part.data() + part.size() || !(std::isfinite(loss.scale) && loss.scale > 0)) refuse();
+      if (has_scale || error != std::errc{} || end != part.data() + part.size() || !is_threshold(loss.scale)) refuse();
       has_scale = true;
     }
   }

@@ -173,7 +173,7 @@ TEST(LossText, IsWhatUsersWrite) {
 
 TEST(LossText, RefusesWhatIsNoLoss) {
   for (const char* text : {"", ":", "hubert", "Huber", "huber:-1", "huber:0", "huber:nan", "huber:inf", "huber:2x", "huber:two",
-                           "huber:1e999", " huber", "huber:2 "})
+                           "huber:1e999", "cauchy:1e-200", "tukey:1e200", " huber", "huber:2 "})
     EXPECT_THROW(Loss::parse(text), BadOption) << text;
 }
 
@@ -198,7 +198,7 @@ TEST(LossText, ErrorListsTheNames) {
 }
 
 TEST(LossRules, ThresholdIsPositive) {
-  for (const double scale : {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY)}) {
+  for (const double scale : {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY), 1e-200, 1e200}) {  // the last: no square
     EXPECT_THROW(Loss(Huber{scale}).validate(1), BadNumber) << scale;
     EXPECT_THROW(Loss(StudentT{scale}).validate(1), BadNumber) << scale;
   }
