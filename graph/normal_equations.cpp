@@ -193,6 +193,22 @@ double NormalEquations::accumulate_in_parallel(const Graph& graph, ThreadPool& p
   return cost;
 }
 
+void NormalEquations::multiply(const std::vector<double>& x, std::vector<double>& y) const {
+  std::fill(y.begin(), y.end(), 0.0);
+  for (int column = 0; column < pattern_.size(); ++column)
+    for (int k = pattern_.column_begin[column]; k < pattern_.column_begin[column + 1]; ++k) {
+      const int row = pattern_.rows[k];
+      const double* block = &H_[pattern_.block_begin[k]];
+      const double *x_row = &x[pattern_.offsets[row]], *x_column = &x[pattern_.offsets[column]];
+      double *y_row = &y[pattern_.offsets[row]], *y_column = &y[pattern_.offsets[column]];
+      for (int c = 0; c < pattern_.dims[column]; ++c)
+        for (int r = 0; r < pattern_.dims[row]; ++r, ++block) {
+          y_row[r] += *block * x_column[c];
+          if (row != column) y_column[c] += *block * x_row[r];
+        }
+    }
+}
+
 void NormalEquations::to_tangent(const Resolved& resolved, const double* ordered, double* tangent) const {
   for (std::size_t i = 0; i < order_.size(); ++i) {
     const Resolved::Variable& v = resolved.variables()[order_[i]];

@@ -33,6 +33,8 @@ class NormalEquations {
   const std::vector<double>& H() const { return H_; }
   const std::vector<double>& gradient() const { return gradient_; }  ///< in elimination order
   const std::vector<int>& order() const { return order_; }
+  /// y = H x, both in elimination order.
+  void multiply(const std::vector<double>& x, std::vector<double>& y) const;
   /// Between the elimination order and Resolved's tangent.
   void to_tangent(const Resolved& resolved, const double* ordered, double* tangent) const;
   void from_tangent(const Resolved& resolved, const double* tangent, double* ordered) const;

@@ -9,9 +9,10 @@ namespace holdfast {
 namespace {
 
 constexpr int kMaxIterations = 1000;
-constexpr double kRounding = 1e-14;         // of the cost: a predicted decrease below this cannot be measured
-constexpr double kConvergedDamping = 1e-2;  // a step damped more than this is short because of λ, not because the minimum is near
-constexpr double kLinearGain = 0.1;         // actual over predicted decrease this near to 1: the residuals are straight enough as they are
+constexpr double kRounding = 1e-14;  // of the cost: a predicted decrease below this cannot be measured
+constexpr double kFull = 0.1;  // a step shorter than this part of Newton's is short because of the radius, not because the minimum is near
+constexpr int kMostShrinks = 50;
+constexpr double kLinearGain = 0.1;  // actual over predicted decrease this near to 1: the residuals are straight enough as they are
 
 void require_unknowns(const Resolved& resolved) {
   if (resolved.tangent_dim() == 0) fail<BadProblem>("every variable that a factor touches is fixed; there is nothing to solve for");
@@ -75,21 +76,16 @@ double Irls::linearize(const Graph& graph, Progress& progress) {
 void Irls::descend_nonlinear(const Graph& graph, Progress& progress) {
   Workspace& w = *workspace_;
   Summary& summary = progress.summary;
-  w.damper = Damping();
+  w.region = TrustRegion();
   w.bends = false;
   double gradient_norm = max_norm(w.normal.gradient());
   while (!progress.gradient_is_flat(gradient_norm) && progress.go_on(gradient_norm)) {
-    double cost = summary.cost, predicted = 0;
-    if (!step_nonlinear(graph, progress, gradient_norm, cost, predicted)) break;
     const double before = summary.cost;
-    std::swap(w.best, w.candidate);
-    summary.cost = cost;
-    const double gain = (before - cost) / predicted;
-    w.damper.accept(gain);
-    w.bends = std::abs(gain - 1) > kLinearGain;
+    bool full = true;
+    if (!step_nonlinear(graph, progress, gradient_norm, full)) break;
     linearize(graph, progress);
     gradient_norm = max_norm(w.normal.gradient());
-    if (w.damper.lambda() <= kConvergedDamping && progress.decrease_is_small(before, cost)) break;
+    if (full && progress.decrease_is_small(before, summary.cost)) break;
   }
   summary.gradient_norm = gradient_norm;
 }
@@ -106,9 +102,8 @@ bool Irls::restart(const Graph& graph, Progress& progress) {
   if (!(cost < progress.summary.cost)) return false;
   std::swap(w.best, w.candidate);
   progress.summary.cost = cost;
-  w.damper = Damping();
+  w.region = TrustRegion();
   linearize(graph, progress);
-  w.read_diagonal();
   return true;
 }
 
@@ -129,30 +124,45 @@ void Irls::descend_from_other_start(const Graph& graph, Progress& progress) {
   progress.end(Termination::converged, rule);
 }
 
-// Raises the damping until a step lowers the cost; false when the solve is over.
-bool Irls::step_nonlinear(const Graph& graph, Progress& progress, double gradient_norm, double& cost, double& predicted) {
+// One factorisation, and steps of it, shorter and shorter, until one lowers the cost; false when the solve is over.
+bool Irls::step_nonlinear(const Graph& graph, Progress& progress, double gradient_norm, bool& full) {
   Workspace& w = *workspace_;
   Summary& summary = progress.summary;
-  w.read_diagonal();
-  for (;;) {
-    ++summary.iterations;
-    predicted = w.solve_damped(w.damper.lambda());
-    progress.watch.lap(summary.seconds_solve);
-    if (std::isfinite(predicted)) {
-      w.normal.to_tangent(w.resolved, w.step.data(), w.tangent.data());
-      if (w.bends) w.accelerate(graph);
-      w.resolved.retract(w.best, w.tangent.data(), w.candidate);
-      cost = w.resolved.cost(graph, w.candidate, &w.pool);
-      progress.watch.lap(summary.seconds_linearize);
-      if (cost < summary.cost) return true;
+  for (int shrinks = 0;; ++shrinks) {
+    if (shrinks == 0) {
+      ++summary.iterations;
+      if (!w.find_newton_step()) {
+        progress.end(Termination::failed, "the normal equations are not positive definite under any damping");
+        return false;
+      }
     }
-    if (predicted <= std::max(kRounding, 1e-2 * options.cost_tolerance) * summary.cost && w.damper.lambda() <= 1) {
+    const Workspace::Step step = w.take_dogleg_step(w.region.radius());
+    progress.watch.lap(summary.seconds_solve);
+    w.normal.to_tangent(w.resolved, w.step.data(), w.tangent.data());
+    if (w.bends) w.accelerate(graph);
+    w.resolved.retract(w.best, w.tangent.data(), w.candidate);
+    const double cost = w.resolved.cost(graph, w.candidate, &w.pool);
+    progress.watch.lap(summary.seconds_linearize);
+    full = step.length >= kFull * w.newton_length;
+    if (cost < summary.cost) {
+      const double gain = (summary.cost - cost) / step.predicted;
+      w.region.accept(gain, step.length);
+      w.bends = std::abs(gain - 1) > kLinearGain;
+      std::swap(w.best, w.candidate);
+      summary.cost = cost;
+      return true;
+    }
+    if (full && step.predicted <= std::max(kRounding, 1e-2 * options.cost_tolerance) * summary.cost) {
       progress.end(Termination::converged, "the model predicts no decrease beyond cost_tolerance");
       return false;
     }
-    if (restart(graph, progress)) continue;
+    if (restart(graph, progress)) {
+      shrinks = -1;
+      continue;
+    }
     w.bends = true;
-    if (!w.damper.reject()) {
+    w.region.reject(step.length);
+    if (shrinks == kMostShrinks) {
       progress.end(Termination::converged, "no step, however short, lowers the cost");
       return false;
     }

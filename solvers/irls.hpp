@@ -1,8 +1,9 @@
 // The in-house second-order back-end: iteratively re-weighted least squares as damped Gauss–Newton on the manifold.
 //
-// Each iteration weighs every term by w ρ'(s) (or by Newton's curvature, Options::reweighting), builds H and g, and solves
-// (H + λ D) δ = −g, D = diag(H), by sparse Cholesky. λ starts at 0 (Gauss–Newton); a step that does not lower the cost, or an H that is
-// not positive definite, raises λ (Levenberg–Marquardt), and steps that the quadratic model predicted well lower it again, to 0.
+// Each iteration weighs every term by w ρ'(s) (or by Newton's curvature, Options::reweighting), builds H and g, and factors H once, by
+// sparse Cholesky. The step is Powell's dogleg: H δ = −g in full as long as steps do what the model says (Gauss–Newton), bent
+// towards −D⁻¹g, D = diag H, where they do not; a step that fails costs one evaluation, not a factorisation. Where residuals are
+// curved, the step follows them to second order (geodesic acceleration). An H that is not positive definite is damped by λ D.
 // Where every factor is linear, Jacobians are computed once and residuals move along r + α J δ, so that the line search along δ
 // is exact and costs next to nothing.
 // Where a step fails on a graph of poses alone, the start is poor, and the valley it leads to may be, too. The chordal start
@@ -36,7 +37,7 @@ class Irls final : public Backend {
   double linearize(const Graph& graph, Progress& progress);
   bool restart(const Graph& graph, Progress& progress);
   void descend_from_other_start(const Graph& graph, Progress& progress);
-  bool step_nonlinear(const Graph& graph, Progress& progress, double gradient_norm, double& cost, double& predicted);
+  bool step_nonlinear(const Graph& graph, Progress& progress, double gradient_norm, bool& full);
   void minimize_linear(const Graph& graph, Progress& progress);
   void minimize_rows(const Graph& graph, Values& values, Progress& progress);
   template <class Model>

@@ -5,9 +5,6 @@
 namespace holdfast {
 namespace {
 
-constexpr double kFirstDamping = 1e-3;    // where Gauss–Newton fails: Marquardt's
-constexpr double kLeastDamping = 1e-9;    // below this: Gauss–Newton again
-constexpr double kMostDamping = 1e20;
 constexpr double kLeastDiagonal = 1e-12;  // an unconstrained direction must feel the damping, too
 
 }  // namespace
@@ -22,7 +19,7 @@ Irls::Workspace::Workspace(const Graph& graph, const Values& values, int threads
       best(values),
       candidate(values) {
   const std::size_t n = resolved.tangent_dim();
-  for (std::vector<double>* v : {&damping, &diagonal, &rhs, &step, &tangent, &bend, &acceleration}) v->resize(n);
+  for (std::vector<double>* v : {&damping, &diagonal, &rhs, &step, &tangent, &bend, &acceleration, &newton, &steepest, &H_steepest}) v->resize(n);
   for (const Resolved::Batch& batch : resolved.batches()) {
     offsets.emplace_back();
     for (int v : batch.variable) offsets.back().push_back(resolved.variables()[v].offset);
@@ -52,19 +49,6 @@ double Irls::Workspace::solve_damped(double lambda) {
   double predicted = 0;
   for (std::size_t i = 0; i < step.size(); ++i) predicted += 0.5 * step[i] * (damping[i] * step[i] - g[i]);
   return predicted;
-}
-
-void Damping::accept(double gain_ratio) {
-  const double u = 2 * gain_ratio - 1;
-  lambda_ *= std::max(1.0 / 3, 1 - u * u * u);
-  if (lambda_ < kLeastDamping) lambda_ = 0;
-  growth_ = 4;
-}
-
-bool Damping::reject() {
-  lambda_ = lambda_ == 0 ? kFirstDamping : lambda_ * growth_;
-  growth_ *= 2;
-  return lambda_ < kMostDamping;
 }
 
 // Transtrum & Sethna 2012: the residuals along x ⊕ (tδ + ½t²a) stay on their tangent plane to second order where H a = −Jᵀ W r̈.

@@ -160,5 +160,31 @@ TEST(Irls, CostNeverRises) {
   }
 }
 
+/// Rosenbrock's valley, once for every agent: r = (10 (y − x²), 1 − x), the minimum at (1, 1) behind a bend.
+struct Valley {
+  using Variables = variables<Point2>;
+  static constexpr int residual_dim = 2;
+  Vector<2> operator()(const Point2& p, Jacobians<Valley>* J = nullptr) const {
+    const double x = p.value[0], y = p.value[1];
+    if (J != nullptr) J->all << -20 * x, 10, -1, 0;
+    return {10 * (y - x * x), 1 - x};
+  }
+};
+
+TEST(Irls, FollowsABentValleyToItsEnd) {
+  Graph graph;
+  Values values;
+  std::mt19937_64 rng(21);
+  for (int i = 0; i < 50; ++i) {
+    values.insert(L(i), Point2(uniform(rng, -3, 3), uniform(rng, -5, 5)));
+    graph.add(Valley{}, {L(i)});
+    if (i > 0) graph.add(Between<Point2>::from_sigmas(Point2(0, 0), Vector<2>(30, 30)), {L(i - 1), L(i)});
+  }
+  const Summary summary = Irls(with_threads(1, 60)).solve(graph, values);
+  EXPECT_EQ(summary.termination, Termination::converged) << summary.str();
+  EXPECT_LT(summary.cost, 1e-20);
+  for (int i = 0; i < 50; ++i) EXPECT_LT((values.at<Point2>(L(i)).value - Vector<2>(1, 1)).norm(), 1e-9);
+}
+
 }  // namespace
 }  // namespace holdfast::testing
