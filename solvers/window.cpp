@@ -1,0 +1,298 @@
+#include <algorithm>
+#include <cmath>
+#include <holdfast/solvers/window.hpp>
+
+namespace holdfast {
+namespace {
+
+/// Two stamps that rounding alone tells apart.
+bool same_time(double a, double b) {
+  constexpr double kNanosecond = 1e-9, kRounding = 1e-15;
+  return std::abs(a - b) <= std::max(kNanosecond, kRounding * std::abs(a));
+}
+
+}  // namespace
+
+void WindowOptions::validate() const {
+  if (!(lag > 0)) fail<BadOption>("lag = ", lag, " must be > 0 [s]");
+  if (max_states < 0) fail<BadOption>("max_states = ", max_states, " must be >= 0 (0: no limit)");
+  if (!(deadline > 0)) fail<BadOption>("deadline = ", deadline, " must be > 0 [s]");
+  if (!(max_gap > 0)) fail<BadOption>("max_gap = ", max_gap, " must be > 0 [s]");
+  solver.validate();
+}
+
+Window::Window(WindowOptions options) : options_(std::move(options)) {
+  options_.validate();
+  backend_ = make_backend(options_.backend, options_.solver);
+}
+Window::Window(Window&&) noexcept = default;
+Window& Window::operator=(Window&&) noexcept = default;
+Window::~Window() = default;
+
+// ---- agents
+
+const Window::Agent* Window::find(char letter) const {
+  for (const Agent& agent : agents_)
+    if (agent.letter == letter) return &agent;
+  return nullptr;
+}
+
+const Window::Agent& Window::known(char letter) const {
+  const Agent* agent = find(letter);
+  if (agent == nullptr) fail<BadKey>("there is no agent ", std::string(1, letter), " in the window; add_agent() or add_state() first");
+  return *agent;
+}
+
+void Window::enter_agent(char letter, std::unique_ptr<MotionModel> motion) {
+  require_no_agent(Key(letter, 0));
+  for (Key key : values_.keys())
+    if (key.agent() == letter) fail<BadKey>("agent ", std::string(1, letter), ": there is a landmark ", key, " of this letter; choose another one");
+  agents_.push_back({letter, std::move(motion), {}, 0});
+}
+
+void Window::remove_agent(char letter) {
+  known(letter);
+  gone_.clear();
+  for (const State& state : find(letter)->states) {
+    if (options_.on_leaving) options_.on_leaving(state.key, state.time);
+    leave(state.key);
+    gone_.push_back(state.key);
+  }
+  values_.erase(gone_);
+  agents_.erase(agents_.begin() + (find(letter) - agents_.data()));
+}
+
+Key Window::newest_key(char letter) const {
+  const Agent& agent = known(letter);
+  if (agent.states.empty()) fail<BadKey>("agent ", std::string(1, letter), " has no state yet; add_state() its first one");
+  return agent.states.back().key;
+}
+
+double Window::time(Key key) const {
+  const Agent* agent = find(key.agent());
+  if (agent != nullptr)
+    for (const State& state : agent->states)
+      if (state.key == key) return state.time;
+  fail<BadKey>("key ", key, " is no state of the window (any more)");
+}
+
+std::vector<Key> Window::states(char letter) const {
+  std::vector<Key> keys;
+  for (const State& state : known(letter).states) keys.push_back(state.key);
+  return keys;
+}
+
+std::string Window::agents() const {
+  std::string letters;
+  for (const Agent& agent : agents_) letters += agent.letter;
+  return letters;
+}
+
+std::unordered_map<Key, double> Window::times() const {
+  std::unordered_map<Key, double> all;
+  for (const Agent& agent : agents_)
+    for (const State& state : agent.states) all.emplace(state.key, state.time);
+  return all;
+}
+
+// ---- states
+
+void Window::require_time(double time) const {
+  if (!std::isfinite(time)) fail<BadTime>("time stamp ", time, " is not finite; leave the measurement out");
+  if (std::isfinite(newest_) && time - newest_ > options_.max_gap)
+    fail<BadTime>("time stamp ", time, " is ", time - newest_, " s ahead of the newest state; max_gap = ", options_.max_gap,
+                  " s. Repair the clock, or start a new window");
+  if (newest_ - time >= options_.lag)
+    fail<BadTime>("time stamp ", time, " is ", newest_ - time, " s older than the newest state, and the lag is ", options_.lag,
+                  " s: what was known then has left the window. Leave the measurement out, or choose a longer lag");
+}
+
+void Window::require_no_agent(Key key) const {
+  if (has_agent(key.agent())) fail<BadKey>("key ", key, ": there is an agent ", std::string(1, key.agent()), " in the window; choose another letter");
+}
+
+void Window::fail_unknown(Key key, const std::string& factor) const {
+  fail<BadKey>("factor ", factor, ": key ", key, " is not in the window: it was never added, has left, or was an empty state merged into one motion; ask at(agent, time)");
+}
+
+// Checks first, so that a refused state leaves no trace.
+Window::Agent& Window::agent_for(Key key, double time) {
+  require_time(time);
+  if (values_.contains(key)) fail<BadKey>("key ", key, " is in the window already; each state has its own index");
+  Agent* agent = find(key.agent());
+  if (agent != nullptr) {
+    for (const State& state : agent->states)
+      if (same_time(state.time, time))
+        fail<BadTime>("key ", key, ": agent ", std::string(1, key.agent()), " has a state at ", time, " s already, ", state.key, "; measure that one");
+    return *agent;
+  }
+  for (Key other : values_.keys())
+    if (other.agent() == key.agent()) fail<BadKey>("key ", key, ": there is a landmark ", other, " of this letter; choose another one");
+  agents_.push_back({key.agent(), nullptr, {}, 0});
+  return agents_.back();
+}
+
+// The motion factors come first: they may refuse the times or their own numbers, and then nothing has changed.
+Window::Place Window::tie(Agent& agent, Key key, double time) {
+  const auto after = std::find_if(agent.states.begin(), agent.states.end(), [&](const State& s) { return s.time > time; });
+  Place place{static_cast<std::size_t>(after - agent.states.begin()), {}, {}};
+  if (!agent.motion) return place;
+  if (after != agent.states.begin()) place.motion = agent.motion->add(graph_, (after - 1)->key, key, time - (after - 1)->time);
+  if (after == agent.states.end()) return place;
+  try {
+    place.onward = agent.motion->add(graph_, key, after->key, after->time - time);
+  } catch (...) {
+    if (place.motion.number >= 0) graph_.remove(place.motion);
+    throw;
+  }
+  if (after->motion.number >= 0) graph_.remove(after->motion);  // it passed over the new state: split
+  return place;
+}
+
+void Window::enter(Agent& agent, const State& state, const Place& place) {
+  agent.states.insert(agent.states.begin() + static_cast<std::ptrdiff_t>(place.index), state);
+  if (place.onward.number >= 0) agent.states[place.index + 1].motion = place.onward;
+  agent.next_index = std::max(agent.next_index, state.key.index() + 1);
+  newest_ = std::max(newest_, state.time);
+}
+
+Key Window::at(char letter, double time) {
+  const Lap lap(*this);
+  known(letter);
+  Agent& agent = *find(letter);
+  require_time(time);
+  for (auto state = agent.states.rbegin(); state != agent.states.rend() && state->time > time - 1; ++state)
+    if (same_time(state->time, time)) return state->key;
+  if (agent.states.empty() || time < agent.states.front().time)
+    fail<BadTime>("agent ", std::string(1, letter), " at ", time, " s: ", agent.states.empty() ? "it has no state yet" : "its first state is later",
+                  "; add_state() tells where it starts");
+  if (!agent.motion)
+    fail<BadTime>("agent ", std::string(1, letter), " has no state at ", time, " s and no motion to make one from; add_agent() with a motion, or add_state() with odometry");
+  if (time > agent.states.back().time && options_.collapse) collapse_newest(agent);
+  const Key key(letter, agent.next_index);
+  const Place place = tie(agent, key, time);
+  const State& before = agent.states[place.index - 1];
+  agent.motion->insert_predicted(values_, before.key, key, time - before.time);
+  enter(agent, {key, time, place.motion}, place);
+  return key;
+}
+
+/// Only its motion touches it.
+bool Window::is_empty(const State& state) const {
+  int touching = 0;
+  for (const auto& batch : graph_.batches()) {
+    if (batch->size() == 0) continue;
+    const Key* key = batch->keys(0);
+    const Key* const end = key + static_cast<std::ptrdiff_t>(batch->size()) * batch->arity();
+    touching += static_cast<int>(std::count(key, end, state.key));
+    if (touching > 1) return false;
+  }
+  return true;
+}
+
+// The next state is then tied to the one before, over both times.
+void Window::collapse_newest(Agent& agent) {
+  if (agent.states.size() < 2 || agent.states.back().motion.number < 0 || !is_empty(agent.states.back())) return;
+  graph_.remove(agent.states.back().motion);
+  gone_.assign(1, agent.states.back().key);
+  values_.erase(gone_);
+  agent.states.pop_back();
+}
+
+void Window::remove_landmark(Key key) {
+  require_no_agent(key);
+  values_.slot(key);
+  leave(key);
+  values_.erase(key);
+}
+
+// ---- a step
+
+const WindowStep& Window::step(double now) {
+  if (!std::isfinite(now)) fail<BadTime>("step(", now, "): the time is not finite");
+  if (now > newest_) require_time(now);
+  step_.time = std::max(now, newest_);
+  step_.left.clear();
+  step_.removed.clear();
+  step_.report.clear();
+  step_.marginals.reset();
+  step_.seconds = {};
+  step_.seconds.add = std::exchange(seconds_add_, 0.0);
+  Stopwatch watch;
+  solve();
+  watch.lap(step_.seconds.solve);
+  if (options_.covariances && graph_.size() > 0) {
+    try {
+      step_.marginals.emplace(graph_, values_);
+    } catch (const BadNumber&) {  // of a failed solve
+    }
+    watch.lap(step_.seconds.covariances);
+  }
+  if (options_.report) {
+    step_.report = outlier_report(graph_, values_, times());
+    watch.lap(step_.seconds.report);
+  }
+  let_leave();
+  watch.lap(step_.seconds.marginalize);
+  step_.deadline_kept = step_.seconds.total() <= options_.deadline;
+  return step_;
+}
+
+void Window::solve() {
+  step_.summary = {};
+  step_.summary.termination = Termination::converged;
+  step_.summary.rule = "nothing is measured yet";
+  if (graph_.size() == 0) return;
+  constexpr double kLeastShare = 0.01;  // of the deadline: late as it is, one iteration is better than none
+  if (std::isfinite(options_.deadline))
+    backend_->options.time_limit =
+        std::min(options_.solver.time_limit, std::max(options_.deadline - step_.seconds.add, kLeastShare * options_.deadline));
+  try {
+    step_.summary = backend_->solve(graph_, values_);
+    if (!step_.summary.usable() && remove_non_finite() && graph_.size() > 0) step_.summary = backend_->solve(graph_, values_);
+  } catch (const BadProblem&) {
+    step_.summary.rule = "nothing is free";
+  }
+}
+
+// What cannot be solved with is taken out; false where the failure has another reason.
+bool Window::remove_non_finite() {
+  for (const MeasurementReport& one : outlier_report(graph_, values_)) {
+    if (one.verdict != MeasurementReport::Verdict::not_finite) continue;
+    const Graph::Place& place = graph_.place(one.id);
+    step_.removed.push_back(graph_.batches()[place.batch]->describe(place.index));
+    graph_.remove(one.id);
+  }
+  return !step_.removed.empty();
+}
+
+void Window::let_leave() {
+  const double cutoff = newest_ - options_.lag;
+  const auto most = static_cast<std::size_t>(options_.max_states > 0 ? options_.max_states : std::numeric_limits<int>::max());
+  for (;;) {  // the oldest of all agents first
+    Agent* next = nullptr;
+    for (Agent& agent : agents_) {
+      const bool goes = agent.states.size() > most || (agent.states.size() > 1 && agent.states[1].time <= cutoff);
+      if (goes && (next == nullptr || agent.states.front().time < next->states.front().time)) next = &agent;
+    }
+    if (next == nullptr) break;
+    const Key key = next->states.front().key;
+    if (options_.on_leaving) options_.on_leaving(key, next->states.front().time);
+    leave(key);
+    step_.left.push_back(key);
+    next->states.erase(next->states.begin());
+    if (!next->states.empty()) next->states.front().motion = {};
+  }
+  if (!step_.left.empty()) values_.erase(step_.left);
+}
+
+void Window::leave(Key key) {
+  if (options_.leaving == WindowOptions::Leaving::drop) return marginalizer_.drop(graph_, key);
+  try {
+    marginalizer_.eliminate(graph_, values_, key);
+  } catch (const BadNumber&) {  // of a failed solve: nothing can be kept of it
+    marginalizer_.drop(graph_, key);
+  }
+}
+
+}  // namespace holdfast
