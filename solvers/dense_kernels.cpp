@@ -15,6 +15,7 @@ namespace {
 
 typedef double Vec __attribute__((vector_size(32), aligned(8)));  // four doubles anywhere; two SSE2 halves without AVX
 constexpr int kWidth = 4;
+constexpr int kNarrow = 4;  // columns factored before the rest of their block is updated
 constexpr int kBlock = 32;  // columns factored before the rest of the panel is updated; a multiple of 4
 
 HOLDFAST_INLINE Vec broadcast(double x) { return Vec{x, x, x, x}; }
@@ -113,14 +114,21 @@ HOLDFAST_INLINE bool factor_block(int b, double* A, int ld, double* inverse_pivo
   return true;
 }
 
+// Blocks of kNarrow columns within blocks of kBlock: what cannot be done in vectors stays small, what is updated later is read seldom.
 HOLDFAST_INLINE bool panel_of(int n, int k, double* panel, int ld) {
-  double inverse_pivots[kBlock];
+  double inverse_pivots[kNarrow];
   for (int j = 0; j < k; j += kBlock) {
-    const int b = std::min(kBlock, k - j);
-    double* block = panel + j + static_cast<long>(j) * ld;
-    if (!factor_block(b, block, ld, inverse_pivots)) return false;
-    solve_rows(n - j, b, block, ld, inverse_pivots);
-    if (j + b < k) outer<false>(n - j - b, b, block + b, ld, block + b + static_cast<long>(b) * ld, ld, 0, k - j - b);
+    const int end = std::min(k, j + kBlock);
+    for (int i = j; i < end; i += kNarrow) {
+      const int b = std::min(kNarrow, end - i);
+      double* block = panel + i + static_cast<long>(i) * ld;
+      if (!factor_block(b, block, ld, inverse_pivots)) return false;
+      solve_rows(n - i, b, block, ld, inverse_pivots);
+      if (i + b < end) outer<false>(n - i - b, b, block + b, ld, block + b + static_cast<long>(b) * ld, ld, 0, end - i - b);
+    }
+    if (end < k)
+      outer<false>(n - end, end - j, panel + end + static_cast<long>(j) * ld, ld, panel + end + static_cast<long>(end) * ld, ld, 0,
+                   k - end);
   }
   return true;
 }
@@ -172,12 +180,12 @@ HOLDFAST_INLINE void backward_of(int n, int k, const double* panel, int ld, doub
 }
 
 // One set of entry points a vector unit.
-#define HOLDFAST_KERNELS(suffix, target)                                                                                      \
-  target bool panel_##suffix(int n, int k, double* panel, int ld) { return panel_of(n, k, panel, ld); }                       \
-  target void outer_##suffix(int m, int k, const double* A, int lda, double* C, int ldc, int first, int last) {               \
-    outer<true>(m, k, A, lda, C, ldc, first, last);                                                                           \
-  }                                                                                                                           \
-  target void forward_##suffix(int n, int k, const double* panel, int ld, double* x) { forward_of(n, k, panel, ld, x); }      \
+#define HOLDFAST_KERNELS(suffix, target)                                                                                 \
+  target bool panel_##suffix(int n, int k, double* panel, int ld) { return panel_of(n, k, panel, ld); }                  \
+  target void outer_##suffix(int m, int k, const double* A, int lda, double* C, int ldc, int first, int last) {          \
+    outer<true>(m, k, A, lda, C, ldc, first, last);                                                                      \
+  }                                                                                                                      \
+  target void forward_##suffix(int n, int k, const double* panel, int ld, double* x) { forward_of(n, k, panel, ld, x); } \
   target void backward_##suffix(int n, int k, const double* panel, int ld, double* x) { backward_of(n, k, panel, ld, x); }
 
 HOLDFAST_KERNELS(baseline, )

@@ -1,12 +1,18 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <cmath>
 #include <holdfast/solvers/ordering.hpp>
 #ifdef HOLDFAST_WITH_METIS
 #include <metis.h>
 #endif
 
 namespace holdfast {
+namespace {
+
+constexpr double kDense = 3;  // times √n neighbours
+
+}  // namespace
 
 BlockGraph block_graph(const Graph& graph, const Resolved& resolved, std::vector<int>& variable) {
   std::vector<int> node(resolved.variables().size(), -1);
@@ -43,22 +49,43 @@ BlockGraph block_graph(const Graph& graph, const Resolved& resolved, std::vector
   return result;
 }
 
+// A node of very many neighbours (a beacon that every pose has heard) makes minimum degree slow, and goes last in any case.
 std::vector<int> minimum_degree_order(const BlockGraph& graph) {
-  using Pattern = Eigen::SparseMatrix<char>;
-  Pattern adjacency(graph.size(), graph.size());
-  adjacency.reserve(static_cast<Eigen::Index>(graph.neighbours.size() + graph.dims.size()));
+  const auto degree = [&](int i) { return graph.begin[i + 1] - graph.begin[i]; };
+  const double most = std::max(16.0, kDense * std::sqrt(static_cast<double>(graph.size())));
+  std::vector<int> number(graph.size(), -1), sparse, dense;
   for (int i = 0; i < graph.size(); ++i) {
+    if (degree(i) > most) {
+      dense.push_back(i);
+      continue;
+    }
+    number[i] = static_cast<int>(sparse.size());
+    sparse.push_back(i);
+  }
+  using Pattern = Eigen::SparseMatrix<char>;
+  const auto n = static_cast<Eigen::Index>(sparse.size());
+  Pattern adjacency(n, n);
+  adjacency.reserve(static_cast<Eigen::Index>(graph.neighbours.size()) + n);
+  for (int i = 0; i < n; ++i) {
     adjacency.startVec(i);
-    const auto first = graph.neighbours.begin() + graph.begin[i], last = graph.neighbours.begin() + graph.begin[i + 1];
-    const auto diagonal = std::lower_bound(first, last, i);  // a node without its diagonal Eigen would take for a dense row
-    for (auto j = first; j != diagonal; ++j) adjacency.insertBack(*j, i) = 1;
+    const auto first = graph.neighbours.begin() + graph.begin[sparse[i]], last = graph.neighbours.begin() + graph.begin[sparse[i] + 1];
+    const auto diagonal = std::lower_bound(first, last, sparse[i]);  // a node without its diagonal Eigen would take for a dense row
+    const auto insert = [&](auto from, auto to) {
+      for (; from != to; ++from)
+        if (number[*from] >= 0) adjacency.insertBack(number[*from], i) = 1;
+    };
+    insert(first, diagonal);
     adjacency.insertBack(i, i) = 1;
-    for (auto j = diagonal; j != last; ++j) adjacency.insertBack(*j, i) = 1;
+    insert(diagonal, last);
   }
   adjacency.finalize();
   Eigen::AMDOrdering<int>::PermutationType permutation;
-  Eigen::AMDOrdering<int>()(adjacency, permutation);
-  return {permutation.indices().data(), permutation.indices().data() + permutation.indices().size()};
+  if (n > 0) Eigen::AMDOrdering<int>()(adjacency, permutation);
+  std::vector<int> order;
+  for (Eigen::Index i = 0; i < n; ++i) order.push_back(sparse[permutation.indices()[i]]);
+  std::stable_sort(dense.begin(), dense.end(), [&](int a, int b) { return degree(a) < degree(b); });
+  order.insert(order.end(), dense.begin(), dense.end());
+  return order;
 }
 
 std::vector<int> nested_dissection_order(const BlockGraph& graph) {
