@@ -12,7 +12,8 @@ constexpr int kMaxIterations = 1000;
 constexpr double kRounding = 1e-14;  // of the cost: a predicted decrease below this cannot be measured
 constexpr double kFull = 0.1;  // a step shorter than this part of Newton's is short because of the radius, not because the minimum is near
 constexpr int kMostShrinks = 50;
-constexpr double kLinearGain = 0.1;  // actual over predicted decrease this near to 1: the residuals are straight enough as they are
+constexpr double kStrangeGain = 0.5;  // off by so much, the quadratic model says little: a poor start, or the way to a poor minimum
+constexpr double kLinearGain = 0.1;   // actual over predicted decrease this near to 1: the residuals are straight enough as they are
 
 void require_unknowns(const Resolved& resolved) {
   if (resolved.tangent_dim() == 0) fail<BadProblem>("every variable that a factor touches is fixed; there is nothing to solve for");
@@ -90,7 +91,8 @@ void Irls::descend_nonlinear(const Graph& graph, Progress& progress) {
   summary.gradient_norm = gradient_norm;
 }
 
-// After the first step that failed. True where the chordal start is the better place, and the descent goes on from there.
+// After the first step that failed or was far from its model. True where the chordal start is the better place, and the descent goes on
+// from there.
 bool Irls::restart(const Graph& graph, Progress& progress) {
   Workspace& w = *workspace_;
   if (!std::exchange(w.may_restart, false)) return false;
@@ -103,7 +105,6 @@ bool Irls::restart(const Graph& graph, Progress& progress) {
   std::swap(w.best, w.candidate);
   progress.summary.cost = cost;
   w.region = TrustRegion();
-  linearize(graph, progress);
   return true;
 }
 
@@ -150,6 +151,7 @@ bool Irls::step_nonlinear(const Graph& graph, Progress& progress, double gradien
       w.bends = std::abs(gain - 1) > kLinearGain;
       std::swap(w.best, w.candidate);
       summary.cost = cost;
+      if (std::abs(gain - 1) > kStrangeGain) restart(graph, progress);
       return true;
     }
     if (full && step.predicted <= std::max(kRounding, 1e-2 * options.cost_tolerance) * summary.cost) {
@@ -157,6 +159,7 @@ bool Irls::step_nonlinear(const Graph& graph, Progress& progress, double gradien
       return false;
     }
     if (restart(graph, progress)) {
+      linearize(graph, progress);
       shrinks = -1;
       continue;
     }
