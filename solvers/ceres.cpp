@@ -4,6 +4,8 @@
 #include <cmath>
 #include <holdfast/graph/gradient.hpp>
 #include <holdfast/solvers/ceres.hpp>
+#include <holdfast/solvers/ceres_loss.hpp>
+#include <holdfast/solvers/fold.hpp>
 #include <holdfast/solvers/minimizer.hpp>
 
 namespace holdfast {
@@ -40,26 +42,9 @@ class VariableManifold final : public ceres::Manifold {
   const PoolBase& pool_;
 };
 
-// w ρ(s) of a block of d components.
-class WeightedLoss final : public ceres::LossFunction {
- public:
-  WeightedLoss(const Loss& loss, double weight, int d) : loss_(loss), weight_(weight), d_(d) {}
-  void Evaluate(double s, double out[3]) const override {
-    const Rho rho = loss_.rho(s, d_);
-    out[0] = weight_ * rho.value;
-    out[1] = weight_ * rho.first;
-    out[2] = weight_ * rho.second;
-  }
-
- private:
-  Loss loss_;
-  double weight_;
-  int d_;
-};
-
 class FactorCost final : public ceres::CostFunction {
  public:
-  FactorCost(const FactorBatch& batch, int i, const std::vector<int>& ambient, bool fold) : batch_(batch), i_(i), fold_(fold) {
+  FactorCost(const FactorBatch& batch, int i, const std::vector<int>& ambient, bool folded) : batch_(batch), i_(i), fold_(folded) {
     *mutable_parameter_block_sizes() = ambient;
     set_num_residuals(batch.residual_dim());
   }
@@ -73,23 +58,12 @@ class FactorCost final : public ceres::CostFunction {
     batch_.evaluate_at(i_, parameters, residuals, J);
     for (int c = 0; c < m; ++c)
       if (!std::isfinite(residuals[c])) return false;
-    if (fold_) fold(residuals, J);
+    if (fold_) fold(batch_.loss(), batch_.weight(i_), m, batch_.total_dim(), residuals, J);
     if (J != nullptr) distribute(J, jacobians);
     return true;
   }
 
  private:
-  void fold(double* r, double* J) const {
-    const int m = batch_.residual_dim();
-    for (int c = 0; c < m; ++c) {
-      const Rho rho = batch_.loss().rho_of_component(r[c]);
-      const double w = batch_.weight(i_);
-      const double folded = std::copysign(std::sqrt(w * rho.value), r[c]);
-      const double slope = folded != 0 ? w * rho.first * r[c] / folded : std::sqrt(w * rho.first);
-      r[c] = folded;
-      for (int k = 0; J != nullptr && k < batch_.total_dim(); ++k) J[k * m + c] *= slope;
-    }
-  }
   void distribute(const double* J, double** jacobians) const {
     const int m = batch_.residual_dim();
     for (int k = 0; k < batch_.arity(); ++k) {
@@ -161,7 +135,7 @@ void build(const Graph& graph, const Resolved& resolved, Values& x, ceres::Probl
   for (std::size_t b = 0; b < graph.batches().size(); ++b) {
     const FactorBatch& batch = *graph.batches()[b];
     const Loss& loss = batch.loss();
-    const bool fold = loss.one_sided || (loss.per_component && batch.residual_dim() > 1);
+    const bool folded = must_fold(loss, batch.residual_dim());
     const std::vector<int>& variable = resolved.batches()[b].variable;
     std::vector<double*> blocks(batch.arity());
     std::vector<int> ambient(batch.arity());
@@ -171,8 +145,8 @@ void build(const Graph& graph, const Resolved& resolved, Values& x, ceres::Probl
         blocks[k] = x.pool(v.pool).data(v.index);
         ambient[k] = x.pool(v.pool).ambient();
       }
-      const bool plain = fold || (loss.kind == Loss::Kind::Squared && batch.weight(i) == 1);
-      problem.AddResidualBlock(new FactorCost(batch, i, ambient, fold), plain ? nullptr : new WeightedLoss(loss, batch.weight(i), batch.residual_dim()),
+      const bool plain = folded || (loss.kind == Loss::Kind::Squared && batch.weight(i) == 1);
+      problem.AddResidualBlock(new FactorCost(batch, i, ambient, folded), plain ? nullptr : new CeresLoss(loss, batch.weight(i), batch.residual_dim()),
                                blocks);
     }
   }

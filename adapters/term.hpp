@@ -1,0 +1,57 @@
+// One term w ½ρ of a cost without its types: what the adapters hand to foreign graphs.
+//
+//   Term(factor)                    // the factor's own default loss and weight
+//   Term(factor, loss, weight)
+//
+// It evaluates the factor on ambient coordinates (a variable's own memory), the Jacobian with respect to our tangent.
+#pragma once
+
+#include <holdfast/graph/graph.hpp>
+
+namespace holdfast {
+
+class Term {
+ public:
+  /// Throws BadNumber or BadOption where Graph::add would.
+  template <class F, class = typename F::Variables>
+  explicit Term(const F& factor) : Term(with([&](Graph& graph) { graph.add(factor, numbered<F>()); })) {}
+  template <class F, class = typename F::Variables>
+  Term(const F& factor, const Loss& loss, double weight = 1) : Term(with([&](Graph& graph) { graph.add(factor, numbered<F>(), loss, weight); })) {}
+  /// Factor `index` of a batch that outlives the term.
+  Term(const FactorBatch& batch, int index) : batch_(std::shared_ptr<const FactorBatch>(), &batch), index_(index) {}
+
+  const FactorBatch& batch() const { return *batch_; }
+  const Loss& loss() const { return batch_->loss(); }
+  double weight() const { return batch_->weight(index_); }
+  int residual_dim() const { return batch_->residual_dim(); }
+  int total_dim() const { return batch_->total_dim(); }
+  int arity() const { return batch_->arity(); }
+  const std::vector<int>& dims() const { return batch_->dims(); }
+
+  /// r, and J (residual_dim × total_dim, column-major) unless it is null.
+  void evaluate(const double* const* ambient, double* r, double* J) const { batch_->evaluate_at(index_, ambient, r, J); }
+  /// w ½ρ of a residual; weights (unless null): w ρ' of each component.
+  double cost(const double* r, double* weights) const { return batch_->cost_of(index_, r, weights); }
+
+ private:
+  explicit Term(std::shared_ptr<const Graph> graph) : batch_(graph, graph->batches().front().get()), index_(0) {}
+
+  template <class Add>
+  static std::shared_ptr<const Graph> with(const Add& add) {
+    auto graph = std::make_shared<Graph>();
+    add(*graph);
+    return graph;
+  }
+  /// The host has its own names; ours count the variables of the factor: x0, x1, …
+  template <class F>
+  static Graph::Keys<F> numbered() {
+    Graph::Keys<F> keys;
+    for (std::size_t k = 0; k < keys.size(); ++k) keys[k] = Key('x', k);
+    return keys;
+  }
+
+  std::shared_ptr<const FactorBatch> batch_;
+  int index_;
+};
+
+}  // namespace holdfast
