@@ -14,9 +14,9 @@ class Term {
  public:
   /// Throws BadNumber or BadOption where Graph::add would.
   template <class F, class = typename F::Variables>
-  explicit Term(const F& factor) : Term(with([&](Graph& graph) { graph.add(factor, numbered<F>()); })) {}
+  explicit Term(const F& factor) : Term(alone(factor), static_cast<F*>(nullptr)) {}
   template <class F, class = typename F::Variables>
-  Term(const F& factor, const Loss& loss, double weight = 1) : Term(with([&](Graph& graph) { graph.add(factor, numbered<F>(), loss, weight); })) {}
+  Term(const F& factor, const Loss& loss, double weight = 1) : Term(alone(factor, loss, weight), static_cast<F*>(nullptr)) {}
   /// Factor `index` of a batch that outlives the term.
   Term(const FactorBatch& batch, int index) : batch_(std::shared_ptr<const FactorBatch>(), &batch), index_(index) {}
 
@@ -30,17 +30,30 @@ class Term {
 
   /// r, and J (residual_dim × total_dim, column-major) unless it is null.
   void evaluate(const double* const* ambient, double* r, double* J) const { batch_->evaluate_at(index_, ambient, r, J); }
+  /// The factor with its loss and weight in a graph of ours, under these keys. BadOption where the type of the factor is not known any more
+  /// (it came by its batch).
+  void add_to(Graph& graph, const std::vector<Key>& keys) const {
+    if (!add_) fail<BadOption>(batch_->describe(index_), " went without its type and cannot come back; keep the graph it came from");
+    add_(*batch_, graph, keys);
+  }
   /// w ½ρ of a residual; weights (unless null): w ρ' of each component.
   double cost(const double* r, double* weights) const { return batch_->cost_of(index_, r, weights); }
 
  private:
-  explicit Term(std::shared_ptr<const Graph> graph) : batch_(graph, graph->batches().front().get()), index_(0) {}
+  template <class F>
+  Term(std::shared_ptr<const Graph> graph, F*) : batch_(graph, graph->batches().front().get()), index_(0), add_(add_again<F>) {}
 
-  template <class Add>
-  static std::shared_ptr<const Graph> with(const Add& add) {
+  template <class F, class... LossAndWeight>
+  static std::shared_ptr<const Graph> alone(const F& factor, const LossAndWeight&... more) {
     auto graph = std::make_shared<Graph>();
-    add(*graph);
+    graph->add(factor, numbered<F>(), more...);
     return graph;
+  }
+  template <class F>
+  static void add_again(const FactorBatch& batch, Graph& graph, const std::vector<Key>& keys) {
+    Graph::Keys<F> all;
+    std::copy_n(keys.begin(), all.size(), all.begin());
+    graph.add(static_cast<const Batch<F>&>(batch).factors().front(), all, batch.loss(), batch.weight(0));
   }
   /// The host has its own names; ours count the variables of the factor: x0, x1, …
   template <class F>
@@ -52,6 +65,7 @@ class Term {
 
   std::shared_ptr<const FactorBatch> batch_;
   int index_;
+  void (*add_)(const FactorBatch&, Graph&, const std::vector<Key>&) = nullptr;
 };
 
 }  // namespace holdfast

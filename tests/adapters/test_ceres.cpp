@@ -58,8 +58,9 @@ void expect_exact_in(const F& factor, std::uint64_t seed) {
     for (int size : cost->parameter_block_sizes()) J.emplace_back(m, size);
     for (auto& block : J) jacobians.push_back(block.data());
     ASSERT_TRUE(cost->Evaluate(blocks.data(), r.data(), jacobians.data()));
-    k = 0;
-    const std::tuple<typename Layouts::Variable...> x{Layouts::read(memory[k++].data())...};
+    auto next = memory.begin();
+    const auto read_next = [&](auto layout) { return decltype(layout)::read((next++)->data()); };
+    const std::tuple<typename Layouts::Variable...> x{read_next(Layouts{})...};
     EXPECT_LT((r - std::apply(factor, std::tuple_cat(x, std::make_tuple(nullptr)))).norm(), 1e-12 * (1 + r.norm()));
     for (std::size_t b = 0; b < blocks.size(); ++b)
       for (int c = 0; c < J[b].cols(); ++c) {
@@ -86,7 +87,7 @@ TEST(CeresLayouts, JacobiansAreExactInTheUsersNumbers) {
   expect_exact_in<Separate<PositionQuaternion<wxyz>>, Separate<QuaternionPosition<xyzw>>>(kBetween3, 5);
   expect_exact_in<PositionYaw, Own<Point2>>(Range<Pose2, Point2>{3, 0.5}, 6);
   expect_exact_in<PositionYaw, Separate<ByDerivative<Motion2>>>(Range<Pose2, Motion2>{3, 0.5}, 7);
-  expect_exact_in<ByDerivative<Accel3>, Own<Accel3>>(WhiteJerk<Accel3>::continuous(0.5, 0.3), 8);
+  expect_exact_in<ByDerivative<Motion3>, Own<Motion3>>(WhiteAcceleration<Motion3>::continuous(0.5, 0.3), 8);
 }
 
 TEST(CeresLayouts, EachHoldsWhatItWasGiven) {
