@@ -1,5 +1,22 @@
-# What an install holds: the library, its headers, the program, and what find_package(holdfast) needs.
+# What an install holds: the library, its headers, the program, and what find_package(holdfast) and pkg-config need.
 include(CMakePackageConfigHelpers)
+
+# Eigen's matrices of run-time size are allocated by one side and freed by the other, and how depends on EIGEN_MAX_ALIGN_BYTES, which
+# follows -march. So whoever links the installed library compiles with the value it was compiled with (fixed-size types are never
+# aligned: graph/math.hpp). A program built with -march=native then works as it is.
+if(NOT DEFINED HOLDFAST_EIGEN_ALIGN)
+  include(CheckCXXSourceCompiles)
+  get_target_property(CMAKE_REQUIRED_INCLUDES Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
+  set(HOLDFAST_EIGEN_ALIGN 16)
+  foreach(bytes IN ITEMS 64 32)
+    check_cxx_source_compiles("#include <Eigen/Core>\nstatic_assert(EIGEN_MAX_ALIGN_BYTES == ${bytes}, \"\");\nint main() {}" HOLDFAST_ALIGNS_${bytes})
+    if(HOLDFAST_ALIGNS_${bytes})
+      set(HOLDFAST_EIGEN_ALIGN ${bytes})
+    endif()
+  endforeach()
+  unset(CMAKE_REQUIRED_INCLUDES)
+endif()
+target_compile_definitions(holdfast INTERFACE $<INSTALL_INTERFACE:EIGEN_MAX_ALIGN_BYTES=${HOLDFAST_EIGEN_ALIGN}>)
 
 set(installed holdfast)
 foreach(part IN LISTS HOLDFAST_PARTS)
@@ -21,3 +38,53 @@ install(EXPORT holdfastTargets NAMESPACE holdfast:: DESTINATION ${package_dir})
 configure_package_config_file(cmake/holdfastConfig.cmake.in ${PROJECT_BINARY_DIR}/holdfastConfig.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/holdfastConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/holdfastConfig.cmake ${PROJECT_BINARY_DIR}/holdfastConfigVersion.cmake DESTINATION ${package_dir})
+
+# pkg-config: the core and what is linked into it; the parts mrpt, gtsam and g2o are for CMake alone.
+set(HOLDFAST_PC_LIBS "-lpthread")
+if(HOLDFAST_WITH_METIS)
+  string(PREPEND HOLDFAST_PC_LIBS "-lmetis ")
+endif()
+if(HOLDFAST_WITH_CERES)
+  string(PREPEND HOLDFAST_PC_LIBS "-lceres -lglog ")
+endif()
+foreach(folder IN ITEMS INCLUDEDIR LIBDIR)
+  if(IS_ABSOLUTE "${CMAKE_INSTALL_${folder}}")
+    set(HOLDFAST_PC_${folder} "${CMAKE_INSTALL_${folder}}")
+  else()
+    set(HOLDFAST_PC_${folder} "\${prefix}/${CMAKE_INSTALL_${folder}}")
+  endif()
+endforeach()
+configure_file(cmake/holdfast.pc.in ${PROJECT_BINARY_DIR}/holdfast.pc.configured @ONLY)
+install(CODE "
+  file(READ \"${PROJECT_BINARY_DIR}/holdfast.pc.configured\" text)
+  string(REGEX REPLACE \"^prefix=[^\n]*\" \"prefix=\${CMAKE_INSTALL_PREFIX}\" text \"\${text}\")
+  file(WRITE \"${PROJECT_BINARY_DIR}/holdfast.pc\" \"\${text}\")")  # the prefix of this install, which --prefix may have changed
+install(FILES ${PROJECT_BINARY_DIR}/holdfast.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+# What colcon and rosdep know a package by.
+install(FILES package.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/holdfast)
+
+# cpack -G DEB: one development package.
+set(CPACK_PACKAGE_NAME libholdfast-dev)
+set(CPACK_PACKAGE_VENDOR holdfast)
+set(CPACK_PACKAGE_CONTACT "the holdfast developers <holdfast@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION libdevel)
+set(depends "libeigen3-dev")
+if(HOLDFAST_WITH_CERES)
+  string(APPEND depends ", libceres-dev, libgoogle-glog-dev")
+endif()
+if(HOLDFAST_WITH_METIS)
+  string(APPEND depends ", libmetis-dev")
+endif()
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "${depends}")
+if(HOLDFAST_WITH_MRPT)
+  set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libmrpt-graphs-dev, libmrpt-poses-dev, libmrpt-obs-dev")
+endif()
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)  # of the program
+set(CPACK_STRIP_FILES ON)
+include(CPack)
