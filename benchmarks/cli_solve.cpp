@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
   CLI::App* command = app.add_subcommand("solve", "solve the problems of files under several back-ends, side by side");
-  command->add_option("FILE", arguments.files, "PyFG, g2o or TORO files")->required();
+  command->add_option("FILE", arguments.files, "PyFG, g2o or TORO files, MRPT's .graph and .rawlog")->required();
   command->add_option("--backend", arguments.backends, "comma-separated names, or all")->capture_default_str();
   command->add_option("--loss", arguments.loss, "of every measurement but the odometry between consecutive poses: huber:2, cauchy:1, …")
       ->capture_default_str();

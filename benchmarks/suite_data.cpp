@@ -20,6 +20,11 @@ std::vector<Case> data_cases(unsigned seed) {
       cases.push_back(data_case("range/" + std::string(name) + ".pyfg", loss, "odometry", seed));
   for (const char* name : {"intel", "MIT", "M3500", "sphere2500", "smallGrid3D", "tinyGrid3D"})
     cases.push_back(data_case("pose_graph/" + std::string(name) + ".g2o", "squared", "file", seed));
+#ifdef HOLDFAST_WITH_MRPT
+  for (const char* loss : {"squared", "huber:2"})  // Debian's mrpt-common; the beacons are found without a guess
+    cases.push_back(data_case("/usr/share/mrpt/datasets/RO-SLAM_demo.rawlog", loss, "file", seed));
+#endif
+  cases.push_back(data_case("/usr/share/mrpt/datasets/graph_2d_circle_50nodes.graph", "squared", "file", seed));
   return cases;
 }
 

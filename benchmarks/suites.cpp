@@ -35,7 +35,7 @@ Case data_case(const std::string& file, const std::string& loss, const std::stri
   const std::string root = data_directory(), path = (fs::path(root) / file).string();
   const ProblemOptions options{Loss::parse(loss), start_named(start), seed};
   Case one{file, loss, start, [path, options] { return load(path, options).instance; }};
-  if (root.empty())
+  if (root.empty() && fs::path(file).is_relative())
     one.absent = "no data directory: set HOLDFAST_DATA";
   else if (!fs::is_regular_file(path))
     one.absent = "there is no " + path;
