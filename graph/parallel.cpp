@@ -1,9 +1,15 @@
+#include <algorithm>
 #include <holdfast/graph/parallel.hpp>
+#include <system_error>
 
 namespace holdfast {
 
 ThreadPool::ThreadPool(int threads) {
-  for (int i = 1; i < threads; ++i) workers_.emplace_back([this] { work(); });
+  workers_.reserve(static_cast<std::size_t>(std::max(threads - 1, 0)));
+  try {
+    for (int i = 1; i < threads; ++i) workers_.emplace_back([this] { work(); });
+  } catch (const std::system_error&) {  // the system gives no more: fewer threads have the same result
+  }
 }
 
 ThreadPool::~ThreadPool() {

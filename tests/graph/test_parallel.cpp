@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <fstream>
 #include <holdfast/graph/parallel.hpp>
 #include <numeric>
 #include <stdexcept>
@@ -56,6 +59,23 @@ TEST(ParallelFor, IsAPlainLoopWithoutAPool) {
   parallel_for(&alone, 2, [&](int i) { order.push_back(i); });
   EXPECT_EQ(order.size(), 7u);
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve more address space than any limit leaves
+TEST(ThreadPool, MakesDoWithTheThreadsThatTheSystemGives) {
+  rlimit before{};
+  ::getrlimit(RLIMIT_AS, &before);
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const rlimit few_stacks{pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) + (std::uint64_t{100} << 20), before.rlim_max};
+  ::setrlimit(RLIMIT_AS, &few_stacks);
+  ThreadPool pool(500);
+  ::setrlimit(RLIMIT_AS, &before);
+  EXPECT_LT(pool.threads(), 500);
+  std::atomic<int> sum{0};
+  pool.run(101, [&](int i) { sum += i; });
+  EXPECT_EQ(sum, 5050);
+}
+#endif
 
 TEST(ParallelFor, UsesThePool) {
   ThreadPool pool(2);
