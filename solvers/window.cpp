@@ -133,11 +133,15 @@ Window::Agent& Window::agent_for(Key key, double time) {
 }
 
 // The motion factors come first: they may refuse the times or their own numbers, and then nothing has changed.
-Window::Place Window::tie(Agent& agent, Key key, double time) {
+// passed_over: states before the new one that its motion leads over.
+Window::Place Window::tie(Agent& agent, Key key, double time, int passed_over) {
   const auto after = std::find_if(agent.states.begin(), agent.states.end(), [&](const State& s) { return s.time > time; });
   Place place{static_cast<std::size_t>(after - agent.states.begin()), {}, {}};
   if (!agent.motion) return place;
-  if (after != agent.states.begin()) place.motion = agent.motion->add(graph_, (after - 1)->key, key, time - (after - 1)->time);
+  if (after != agent.states.begin()) {
+    const State& before = *(after - 1 - passed_over);
+    place.motion = agent.motion->add(graph_, before.key, key, time - before.time);
+  }
   if (after == agent.states.end()) return place;
   try {
     place.onward = agent.motion->add(graph_, key, after->key, after->time - time);
@@ -168,11 +172,15 @@ Key Window::at(char letter, double time) {
                   "; add_state() tells where it starts");
   if (!agent.motion)
     fail<BadTime>("agent ", std::string(1, letter), " has no state at ", time, " s and no motion to make one from; add_agent() with a motion, or add_state() with odometry");
-  if (time > agent.states.back().time && options_.collapse) collapse_newest(agent);
+  const bool merges = time > agent.states.back().time && newest_is_mergeable(agent);
   const Key key(letter, agent.next_index);
-  const Place place = tie(agent, key, time);
-  const State& before = agent.states[place.index - 1];
+  Place place = tie(agent, key, time, merges ? 1 : 0);
+  const State& before = agent.states[place.index - (merges ? 2 : 1)];
   agent.motion->insert_predicted(values_, before.key, key, time - before.time);
+  if (merges) {
+    remove_newest(agent);
+    --place.index;
+  }
   enter(agent, {key, time, place.motion}, place);
   return key;
 }
@@ -190,9 +198,12 @@ bool Window::is_empty(const State& state) const {
   return true;
 }
 
-// The next state is then tied to the one before, over both times.
-void Window::collapse_newest(Agent& agent) {
-  if (agent.states.size() < 2 || agent.states.back().motion.number < 0 || !is_empty(agent.states.back())) return;
+/// Nothing but its motion says anything of it: the next state may be tied to the one before, over both times.
+bool Window::newest_is_mergeable(const Agent& agent) const {
+  return options_.collapse && agent.states.size() > 1 && agent.states.back().motion.number >= 0 && is_empty(agent.states.back());
+}
+
+void Window::remove_newest(Agent& agent) {
   graph_.remove(agent.states.back().motion);
   gone_.assign(1, agent.states.back().key);
   values_.erase(gone_);

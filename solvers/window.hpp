@@ -225,10 +225,11 @@ class Window {
     std::size_t index = 0;
     FactorId motion, onward;
   };
-  Place tie(Agent& agent, Key key, double time);
+  Place tie(Agent& agent, Key key, double time, int passed_over = 0);
   void enter(Agent& agent, const State& state, const Place& place);
   bool is_empty(const State& state) const;
-  void collapse_newest(Agent& agent);
+  bool newest_is_mergeable(const Agent& agent) const;
+  void remove_newest(Agent& agent);
 
   void solve();
   bool remove_non_finite();

@@ -166,6 +166,16 @@ TEST(Window, RefusesByNameWhatIsTooLateAndGoesOn) {
   }
 }
 
+// An empty newest state is merged into the motion to the next one: not before that one is accepted.
+TEST(Window, ARefusedTimeLeavesTheEmptyStateThatIsThere) {
+  Window window = tracker(exact_options(1));
+  const Key empty = window.at('A', 0.1);
+  const std::uint64_t structure = window.graph().structure();
+  EXPECT_THROW(window.at('A', 0.25), BadTime);
+  EXPECT_EQ(window.newest_key('A'), empty);
+  EXPECT_EQ(window.graph().structure(), structure);
+}
+
 TEST(Window, RefusesAClockThatJumpsAhead) {
   WindowOptions options = exact_options(1);
   options.max_gap = 60;
@@ -256,7 +266,9 @@ TEST(Window, DropsOldStatesWithoutAPriorWhereAsked) {
   for (int k = 1; k <= 50; ++k) {
     window.add(position(truth(kStep * k)), {window.at('A', kStep * k)});
     window.step(kStep * k);
-    if (k > 14) EXPECT_EQ(window.graph().size(), 27u);
+    if (k > 14) {
+      EXPECT_EQ(window.graph().size(), 27u);
+    }
   }
   Graph graph;  // the last 14 states and nothing else
   Values values;
@@ -296,7 +308,9 @@ TEST(Window, ReportsWhatItsLossesBelieve) {
     EXPECT_EQ(one.verdict, is_last ? MeasurementReport::Verdict::outlier : MeasurementReport::Verdict::inlier) << one.keys[0];
     ASSERT_EQ(one.raw.size(), 2u);
     EXPECT_NEAR(one.raw[0], 0.5 * one.whitened[0], 1e-12);  // sigma 0.5 m
-    if (is_last) EXPECT_NEAR(one.weight, 2 / std::abs(one.whitened[0]), 1e-12);
+    if (is_last) {
+      EXPECT_NEAR(one.weight, 2 / std::abs(one.whitened[0]), 1e-12);
+    }
     outliers += one.verdict == MeasurementReport::Verdict::outlier;
   }
   EXPECT_EQ(outliers, 1);
