@@ -24,7 +24,9 @@ CLI::App* add_bench(CLI::App& app, BenchArguments& arguments) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   command->add_option("--seed", arguments.seed)->capture_default_str();
-  command->add_option("--runs", arguments.runs, "seeds of the papers' suites: SEED, SEED + 1, …")->capture_default_str()->check(CLI::PositiveNumber);
+  command->add_option("--runs", arguments.runs, "seeds of the papers' suites: SEED, SEED + 1, …")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   command->add_flag("--fresh", arguments.fresh, "run again what the results hold already");
   return command;
 }

@@ -15,6 +15,9 @@ struct UnicycleOptions {
   double speed = 10;      ///< [m/s]
   double sigma = 1;       ///< [m]
 };
+class Random;
+/// Its way: exact arcs of constant turn rate.
+std::vector<Motion2> unicycle_path(const UnicycleOptions& options, Random& random);
 Instance unicycle(const UnicycleOptions& options, unsigned seed);
 
 /// Range balls alone: nodes Point2 `N<i>` anywhere in a square of 10 m × 10 m a node, a RangeBall (σ = 0.5 m) between any two nearer than

@@ -4,10 +4,8 @@
 #include <holdfast/factors/white_acceleration.hpp>
 
 namespace holdfast::bench {
-namespace {
 
-/// Exact arcs of constant turn rate.
-std::vector<Motion2> drive(const UnicycleOptions& options, Random& random) {
+std::vector<Motion2> unicycle_path(const UnicycleOptions& options, Random& random) {
   std::vector<Motion2> states;
   Vector<2> p = random.uniforms<2>(-50, 50);
   double heading = random.uniform(-kPi, kPi), turn_rate = 0, until = 0;
@@ -26,12 +24,10 @@ std::vector<Motion2> drive(const UnicycleOptions& options, Random& random) {
   return states;
 }
 
-}  // namespace
-
 Instance unicycle(const UnicycleOptions& options, unsigned seed) {
   Random random(seed);
   constexpr Agent A('A');
-  const std::vector<Motion2> truth = drive(options, random);
+  const std::vector<Motion2> truth = unicycle_path(options, random);
   const Vector<2> observer = Vector<2>::Zero();
   const auto motion = WhiteAcceleration<Motion2>::exact(options.dt, 1, Matrix<4, 4>::Identity());
   Instance instance;

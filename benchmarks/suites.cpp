@@ -1,17 +1,25 @@
 #include <algorithm>
 #include <filesystem>
+#include <holdfast/benchmarks/papers/paper.hpp>
 #include <holdfast/benchmarks/suites.hpp>
 
 namespace holdfast::bench {
 namespace fs = std::filesystem;
+namespace {
+
+/// Of a suite that makes its problems itself.
+std::vector<Case> no_cases(unsigned) { return {}; }
+
+}  // namespace
 
 const std::vector<Suite>& suites() {
   static const std::vector<Suite> all{
       {"scenarios", "made from the seed: motion with outliers, range balls, ranges and bearings half lost, false loop closures", true,
        10000, scenario_cases},
       {"data", "real range and pose-graph data", true, 1000, data_cases},
-      {"window", "a race: 1,000 windows of paper A, one after the other", false, 200, [](unsigned) { return std::vector<Case>(); },
-       race_windows},
+      {"window", "a race: 1,000 windows of paper A, one after the other", false, 200, no_cases, race_windows},
+      {"papers-a", "paper A's tables: one target, one and two UAVs, outliers and missing measurements", false, 200, no_cases,
+       bench_paper_a},
       {"range", "a race: real range data from odometry", false, 1000, range_cases, race_ranges},
       {"pose-graph", "a race: pose graphs, and how time grows with their size", false, 1000, pose_graph_cases, race_pose_graphs},
   };

@@ -35,7 +35,7 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 std::string text(double value) {
   if (!std::isfinite(value)) return "-";
   char buffer[40];
-  std::snprintf(buffer, sizeof buffer, std::abs(value) < 1 ? "%.4f" : std::abs(value) < 100 ? "%.3f" : "%.1f", value);
+  std::snprintf(buffer, sizeof buffer, "%.4g", value);
   return buffer;
 }
 
@@ -106,6 +106,13 @@ Cells run_table(const char* suite, const PaperTable& table, const RunnerOptions&
   return cells;
 }
 
+std::string mean_and_range(const std::vector<double>& numbers) {
+  double sum = 0;
+  for (const double x : numbers) sum += x;
+  const auto [least, largest] = std::minmax_element(numbers.begin(), numbers.end());
+  return text(sum / static_cast<double>(numbers.size())) + " (" + text(*least) + "-" + text(*largest) + ")";
+}
+
 std::vector<Table::Column> titles(const PaperTable& table, const std::string& first) {
   std::vector<Table::Column> columns{{first, Table::Align::left}};
   for (const std::string& column : table.columns) columns.push_back({column, Table::Align::right});
@@ -143,14 +150,14 @@ void print_more(std::ostream& out, const PaperTable& table, const Cells& cells) 
     for (const Cell& cell : row)
       for (const auto& [name, numbers] : cell.more) names.insert(name);
   for (const std::string& name : names) {
-    Table printed(titles(table, name));
+    Table printed(titles(table, name + ": mean (least-largest)"));
     for (std::size_t r = 0; r < cells.size(); ++r) {
       std::vector<std::string> line{table.rows[r].name};
       bool any = false;
       for (const Cell& cell : cells[r]) {
         const auto numbers = cell.more.find(name);
         any = any || numbers != cell.more.end();
-        line.push_back(numbers == cell.more.end() ? "-" : text(quantile(numbers->second, 0.5)));
+        line.push_back(numbers == cell.more.end() ? "-" : mean_and_range(numbers->second));
       }
       if (any) printed.add(line);
     }

@@ -12,7 +12,7 @@ namespace holdfast::bench {
 struct Score {
   double error;                ///< [m], RMSE unless the table says otherwise; NaN: failed
   double microseconds;         ///< a step; NaN where there are no steps
-  Json more = Json::object();  ///< further numbers by name: "anees", "precision", …; their medians are printed below the table
+  Json more = Json::object();  ///< further numbers by name: "anees", "precision", …; their means and ranges are printed below the table
 };
 
 struct PaperRow {
@@ -34,6 +34,11 @@ struct PaperTable {
 /// machine) are not run again. False where an estimator failed.
 bool run_tables(const char* suite, const std::vector<PaperTable>& tables, const RunnerOptions& options, Journal& journal,
                 Terminal& terminal);
+
+/// A race of suites.hpp each.
+bool bench_paper_a(const RunnerOptions& options, Journal& journal, Terminal& terminal);
+bool bench_paper_b(const RunnerOptions& options, Journal& journal, Terminal& terminal);
+bool bench_paper_c(const RunnerOptions& options, Journal& journal, Terminal& terminal);
 
 /// The q-quantile, between the two nearest numbers in proportion; NaN of nothing.
 double quantile(std::vector<double> numbers, double q);

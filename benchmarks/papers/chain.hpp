@@ -1,0 +1,60 @@
+// A window of a target's states in one graph: each state seen by cameras, a motion from each to the next, and what is known of the first.
+// The structure stays while the number of states does: numbers are exchanged in place, and a back-end uses its symbolic work again.
+#pragma once
+
+#include <holdfast/benchmarks/papers/kalman.hpp>
+#include <holdfast/factors/huber_measurement.hpp>
+#include <holdfast/factors/prior.hpp>
+#include <holdfast/factors/white_acceleration.hpp>
+#include <holdfast/solvers/backend.hpp>
+#include <optional>
+#include <vector>
+
+namespace holdfast::bench {
+
+struct ChainNode {
+  int step;
+  std::vector<std::optional<Vector<2>>> z;  ///< by camera [m]; none: missing
+  WhiteAcceleration<Motion2> motion;        ///< from the node before
+  Motion2 state;                            ///< the start of a solve, then its answer
+};
+
+struct ChainLosses {
+  Loss measurement, motion, arrival;
+};
+
+class Chain {
+ public:
+  /// Q of each camera [m²], and the weight of its terms: the paper's 1/σ_i (8).
+  struct Camera {
+    Matrix<2, 2> Q;
+    double weight = 1;
+  };
+  Chain(const std::vector<Camera>& cameras, ChainLosses losses) : cameras_(cameras), losses_(std::move(losses)) {}
+
+  /// Puts these nodes and the arrival cost into graph() and values(). The prior's root is symmetric, as is that of every other factor here:
+  /// it matters to a loss by component.
+  void set(const std::vector<ChainNode>& nodes, const std::optional<Gaussian<4>>& arrival);
+  /// Solves and writes the answer into the nodes, those of set().
+  Summary solve(Backend& backend, std::vector<ChainNode>& nodes);
+
+  const Graph& graph() const { return graph_; }
+  const Values& values() const { return values_; }
+  Key key(std::size_t node) const { return Agent('A')(node); }
+  FactorId measurement(std::size_t node, std::size_t camera) const { return measurements_[node][camera]; }
+  /// ‖Q^{-1/2} (z − p)‖² of a node's measurement as the node's state has it.
+  double squared_residual(const ChainNode& node, std::size_t camera) const;
+
+ private:
+  void build(std::size_t nodes, bool has_arrival);
+
+  std::vector<Camera> cameras_;
+  ChainLosses losses_;
+  Graph graph_;
+  Values values_;
+  std::vector<std::vector<FactorId>> measurements_;
+  std::vector<FactorId> motions_;
+  std::optional<FactorId> arrival_;
+};
+
+}  // namespace holdfast::bench
