@@ -20,6 +20,7 @@ const std::vector<Suite>& suites() {
       {"window", "a race: 1,000 windows of paper A, one after the other", false, 200, no_cases, race_windows},
       {"papers-a", "paper A's tables: one target, one and two UAVs, outliers and missing measurements", false, 200, no_cases,
        bench_paper_a},
+      {"papers-b", "paper B's table: eight followers on a figure of eight, hybrid noise", false, 200, no_cases, bench_paper_b},
       {"range", "a race: real range data from odometry", false, 1000, range_cases, race_ranges},
       {"pose-graph", "a race: pose graphs, and how time grows with their size", false, 1000, pose_graph_cases, race_pose_graphs},
   };

@@ -1,10 +1,10 @@
 // `holdfast bench papers-a`: Tables I and II of paper A and its two UAVs, reproduced; then our estimators on the same kind of data.
 #include <Eigen/LU>
 #include <algorithm>
+#include <holdfast/benchmarks/papers/cpu_watch.hpp>
 #include <holdfast/benchmarks/papers/paper.hpp>
 #include <holdfast/benchmarks/papers/rivals_a.hpp>
 #include <holdfast/benchmarks/papers/robust_tracker.hpp>
-#include <holdfast/solvers/clock.hpp>
 
 namespace holdfast::bench {
 namespace {
@@ -53,7 +53,7 @@ Score measured(const Pursuit& pursuit, std::size_t camera) {
 /// Of a rival, which is run from the first step to the last.
 template <class Estimator>
 Score timed(const Pursuit& pursuit, int first, const Estimator& estimator) {
-  const Stopwatch watch;
+  const CpuWatch watch;
   const Positions positions = estimator(pursuit);
   const double seconds = watch.seconds();
   const int steps = static_cast<int>(pursuit.truth.size());
@@ -89,7 +89,7 @@ std::vector<Score> tracked(const Pursuit& pursuit, int first, const TrackerOptio
   double microseconds = 0, nees = 0;
   int samples = 0;
   for (int k = 0; k < steps; ++k) {
-    const Stopwatch watch;
+    const CpuWatch watch;
     tracker.step(pursuit.sightings[k]);
     now.push_back(tracker.state().position());
     if (k >= kLag) late.push_back(tracker.smoothed(kLag).position());
