@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdio>
+#include <holdfast/benchmarks/machine.hpp>
 #include <holdfast/benchmarks/race.hpp>
 #include <holdfast/benchmarks/table.hpp>
 #include <holdfast/solvers/symbolic.hpp>
@@ -49,7 +50,19 @@ std::vector<Point> seconds_of(const std::string& backend, const std::string& wal
   return points;
 }
 
-void print_slopes(std::ostream& out, const std::vector<Json>& lines, unsigned seed) {
+std::vector<Point> memory_of(int space, unsigned seed) {
+  std::vector<Point> memory;
+  for (const int poses : kSizes) memory.push_back({double(poses), factor_megabytes(grid_walk(space, poses, seed))});
+  return memory;
+}
+
+/// For scripts/plot-growth.
+Json memory_line(const std::string& walk, const Point& point, unsigned seed) {
+  return {{"suite", "pose-graph"}, {"walk", walk},       {"variables", point.size}, {"factor_megabytes", point.value},
+          {"seed", seed},          {"commit", commit()}, {"machine", machine()}};
+}
+
+void print_slopes(std::ostream& out, const std::vector<Json>& lines, unsigned seed, Journal& journal) {
   Table table({{"growth", Table::Align::left}, {"of", Table::Align::left}, {"slope, log–log", Table::Align::right}});
   const auto add = [&](const std::string& walk, const std::string& of, const std::vector<Point>& points) {
     char text[20];
@@ -65,8 +78,8 @@ void print_slopes(std::ostream& out, const std::vector<Json>& lines, unsigned se
       points.erase(std::remove_if(points.begin(), points.end(), [=](const Point& point) { return point.size > largest; }), points.end());
       add(walk, std::string(backend) + " seconds, to " + std::to_string(largest), points);
     }
-    std::vector<Point> memory;
-    for (const int poses : kSizes) memory.push_back({double(poses), factor_megabytes(grid_walk(space, poses, seed))});
+    const std::vector<Point> memory = memory_of(space, seed);
+    for (const Point& point : memory) journal.append(memory_line(walk, point, seed));
     char text[60];
     std::snprintf(text, sizeof text, "irls factor, %.3g to %.3g MB", memory.front().value, memory.back().value);
     add(walk, text, memory);
@@ -116,7 +129,7 @@ bool race_pose_graphs(const RunnerOptions& asked, Journal& journal, Terminal& te
   print_race(terminal.out, result.lines);
   terminal.out << '\n';
   print_race(terminal.out, growth.lines);
-  print_slopes(terminal.out, growth.lines, options.seed);
+  print_slopes(terminal.out, growth.lines, options.seed, journal);
   const bool files_well = print_end(terminal, result, journal.path());
   return print_end(terminal, growth, journal.path()) && files_well;
 }
