@@ -31,6 +31,9 @@ class LinearRows {
   struct Part {  // of one batch
     int first_row, rows, first_jacobian, first_extra;
   };
+  static bool weighs_whole_blocks(const FactorBatch& batch);
+  static bool has_code_for(const std::unique_ptr<FactorBatch>& batch);
+  bool losses_are_as_before(const Graph& graph);
   void evaluate(const Graph& graph, const Values& values);
   bool pattern_holds() const;
   void find_pattern(const Graph& graph);
@@ -50,6 +53,7 @@ class LinearRows {
   Resolved resolved_;
   bool thin_ = false;
   std::vector<Part> parts_;
+  std::vector<char> whole_blocks_;  // of each batch: are whole blocks weighed?
   std::vector<double> r_, J_, Jd_, weight_;  // J as FactorBatch::evaluate writes it, batch after batch
   std::vector<char> in_pattern_;             // of each entry of J_
   // Rows by their entries that are not 0. After the residuals' own rows come, for every factor under a block loss, one row for the

@@ -103,6 +103,21 @@ TEST(LinearRows, SeesAnEntryThatIsNoLongerZero) {
             1e-9);
 }
 
+TEST(LinearRows, SeesALossThatWeighsWholeBlocksNow) {
+  std::mt19937_64 rng(15);
+  std::srand(15);
+  Chain chain(Squared{}, rng);
+  LinearRows rows;
+  step(rows, chain.graph, chain.values, Curvature::newton, 0);
+  for (const Loss& loss : {Loss(Cauchy{1}), per_component(Huber{1}), Loss(Huber{0.5}), Loss(Squared{})}) {
+    for (int b = 0; b < static_cast<int>(chain.graph.batches().size()); ++b) chain.graph.set_loss(b, loss);
+    const Values expected = dense_step(chain.graph, chain.values, Curvature::newton, 0.1);
+    EXPECT_LT(largest_difference(step(rows, chain.graph, chain.values, Curvature::newton, 0.1), expected),
+              1e-9 * (1 + largest_difference(chain.values, expected)))
+        << loss.str();
+  }
+}
+
 TEST(LinearRows, LeavesWideProblemsToOthers) {
   std::mt19937_64 rng(13);
   Graph graph;
