@@ -1,35 +1,8 @@
 // A solve of a structure that the solver has met before allocates nothing.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
+#include "../counting_new.hpp"
 #include "../problems.hpp"
-
-namespace {
-
-std::atomic<bool> counting{false};
-std::atomic<long> allocations{0};
-
-void* counted(std::size_t size, std::size_t alignment) {
-  if (counting) ++allocations;
-  void* memory = alignment == 0 ? std::malloc(size) : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
-}
-
-}  // namespace
-
-// Of this whole program; the array and the nothrow forms end here, too. Not inlined: GCC would see free() meet a `new`, and warn.
-HOLDFAST_NOINLINE void* operator new(std::size_t size) { return counted(size, 0); }
-HOLDFAST_NOINLINE void* operator new(std::size_t size, std::align_val_t alignment) {
-  return counted(size, static_cast<std::size_t>(alignment));
-}
-HOLDFAST_NOINLINE void operator delete(void* memory) noexcept { std::free(memory); }
-HOLDFAST_NOINLINE void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-HOLDFAST_NOINLINE void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-HOLDFAST_NOINLINE void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 
 namespace holdfast::testing {
 namespace {
