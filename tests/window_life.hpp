@@ -69,16 +69,36 @@ class WindowLife {
 
   void change() {
     switch (source_.below(20)) {
-      case 0: case 1: case 2: case 3: case 4: return measure(now_);
-      case 5: case 6: return measure(now_ - source_.below(lag_ + 3));
-      case 7: return at(any_agent(), now_), void();  // expected, and missing
-      case 8: case 9: case 10: case 11: return step(now_ += 1 + source_.below(3));
-      case 12: return step(now_ - source_.below(20));  // the clock jumps back
-      case 13: case 14: return meet(now_ - source_.below(2));
-      case 15: case 16: return take_back();
-      case 17: return join();
-      case 18: return source_.below(3) == 0 ? part() : compare();
-      case 19: return source_.below(2) == 0 ? off_grid() : save_and_restore();
+      case 0:
+      case 1:
+      case 2:
+      case 3:
+      case 4:
+        return measure(now_);
+      case 5:
+      case 6:
+        return measure(now_ - source_.below(lag_ + 3));
+      case 7:
+        return at(any_agent(), now_), void();  // expected, and missing
+      case 8:
+      case 9:
+      case 10:
+      case 11:
+        return step(now_ += 1 + source_.below(3));
+      case 12:
+        return step(now_ - source_.below(20));  // the clock jumps back
+      case 13:
+      case 14:
+        return meet(now_ - source_.below(2));
+      case 15:
+      case 16:
+        return take_back();
+      case 17:
+        return join();
+      case 18:
+        return source_.below(3) == 0 ? part() : compare();
+      case 19:
+        return source_.below(2) == 0 ? off_grid() : save_and_restore();
     }
   }
 
@@ -119,7 +139,8 @@ class WindowLife {
   }
   void take_back() {
     if (measurements_.empty()) return;
-    const std::size_t which = measurements_.size() - 1 - static_cast<std::size_t>(source_.below(static_cast<int>(std::min<std::size_t>(measurements_.size(), 30))));
+    const std::size_t which = measurements_.size() - 1 -
+                              static_cast<std::size_t>(source_.below(static_cast<int>(std::min<std::size_t>(measurements_.size(), 30))));
     if (!window_.graph().contains(measurements_[which].id)) return;  // it has become part of a prior
     window_.remove(measurements_[which].id);
     measurements_.erase(measurements_.begin() + static_cast<std::ptrdiff_t>(which));
@@ -178,7 +199,9 @@ class WindowLife {
       if (lives_[agent] >= 0) places.insert(place(agent, newest_tick(agent)));
     Graph graph;
     Values values;
-    const auto key = [](const Place& p) { return Key(static_cast<char>('a' + p.life % 26), static_cast<std::uint64_t>(p.life) * 1000000 + static_cast<std::uint64_t>(p.tick)); };
+    const auto key = [](const Place& p) {
+      return Key(static_cast<char>('a' + p.life % 26), static_cast<std::uint64_t>(p.life) * 1000000 + static_cast<std::uint64_t>(p.tick));
+    };
     const Place* before = nullptr;
     for (const Place& p : places) {
       const AgentLife& life = all_[static_cast<std::size_t>(p.life)];
@@ -212,7 +235,8 @@ class WindowLife {
       const Motion2& there = expected.at<Motion2>(Key(letter(agent), 0));
       const double difference = (window_.template newest<Motion2>(letter(agent)).value - there.value).norm();
       if (!(difference <= 1e-6 * (1 + there.value.norm())))
-        wrong_("agent " + std::string(1, letter(agent)) + " is " + std::to_string(difference) + " from the batch solution, of " + std::to_string(measurements_.size()) + " measurements");
+        wrong_("agent " + std::string(1, letter(agent)) + " is " + std::to_string(difference) + " from the batch solution, of " +
+               std::to_string(measurements_.size()) + " measurements");
       ++compared_;
     }
   }

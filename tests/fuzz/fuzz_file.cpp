@@ -70,7 +70,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     convert(dataset);
     unknown_report(dataset);
     vertex_times(dataset);
-    if (choice % 4 != 0 || dataset.edges.size() > kLargest || dataset.vertices.size() > kLargest) return 0;  // a solve costs as much as many files
+    if (choice % 4 != 0 || dataset.edges.size() > kLargest || dataset.vertices.size() > kLargest)
+      return 0;  // a solve costs as much as many files
     static const Loss losses[]{Squared{}, Huber{2}, Cauchy{1}, per_component(Tukey{4})};
     solve_it(dataset, static_cast<ProblemOptions::Start>(choice / 4 % 3), losses[choice / 12 % 4]);
   } catch (const Error&) {  // typed, and nothing else

@@ -1,15 +1,15 @@
 // A Window that lives through anything against a batch solution from scratch (tests/window_life.hpp).
-#include "../window_life.hpp"
-
 #include <unistd.h>
 
+#include "../window_life.hpp"
 #include "bytes.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace holdfast;
   fuzz::Bytes bytes(data, size);
   static const std::string path = "/tmp/holdfast_fuzz_window_" + std::to_string(::getpid());
-  testing::WindowLife life(bytes, [](const std::string& text) { fuzz::require(false, text.c_str()); }, bytes.below(8) == 0 ? path : std::string());
+  testing::WindowLife life(
+      bytes, [](const std::string& text) { fuzz::require(false, text.c_str()); }, bytes.below(8) == 0 ? path : std::string());
   life.live(120);
   return 0;
 }

@@ -1,10 +1,9 @@
 // Files when things go wrong: whole or not there, whatever happens to the disk or to the program, and an error that says which and why.
-#include "../faults.hpp"
-
 #include <holdfast/graph/io_atomic.hpp>
 #include <holdfast/graph/io_tum.hpp>
 #include <random>
 
+#include "../faults.hpp"
 #include "test_io_helpers.hpp"
 
 namespace holdfast {
@@ -33,7 +32,8 @@ TEST(FullDisk, LeavesTheOldFileAndNothingElse) {
   HOLDFAST_NEED_MOUNT(disk);
   atomic_write(disk / "graph.pyfg", "old");
   const Dataset walk = long_walk();
-  expect_message<BadFile>([&] { write_pyfg(disk / "graph.pyfg", walk); }, {"cannot write", "graph.pyfg", "No space left on device", "as it was"});
+  expect_message<BadFile>([&] { write_pyfg(disk / "graph.pyfg", walk); },
+                          {"cannot write", "graph.pyfg", "No space left on device", "as it was"});
   EXPECT_EQ(content(disk / "graph.pyfg"), "old");
   EXPECT_EQ(disk.files(), 1u);
 }
@@ -41,7 +41,8 @@ TEST(FullDisk, LeavesTheOldFileAndNothingElse) {
 TEST(FullDisk, LeavesNoTrajectoryHalfWritten) {
   const SmallDisk disk(64);
   HOLDFAST_NEED_MOUNT(disk);
-  expect_message<BadFile>([&] { write_tum_directory(disk / "run", values_of(long_walk()), {}); }, {"cannot write", "run/A.tum", "No space left on device"});
+  expect_message<BadFile>([&] { write_tum_directory(disk / "run", values_of(long_walk()), {}); },
+                          {"cannot write", "run/A.tum", "No space left on device"});
   EXPECT_EQ(disk.files(), 1u) << "more than the empty directory";
 }
 

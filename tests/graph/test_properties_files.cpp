@@ -42,11 +42,14 @@ Dataset any_dataset(std::mt19937_64& rng, Format format, int records) {
   if (format == Format::G2o && Point::dim == 3) dataset.offsets.push_back({0, Pose3(), {}});
   const std::optional<std::uint64_t> offset = dataset.offsets.empty() ? std::nullopt : std::optional<std::uint64_t>(0);
   for (int i = 1; i < records; ++i) {
-    dataset.edges.push_back({RelativePoseEdge<Pose>{key(i - 1), key(i), any_value<Pose>(rng, size), {}, any_noise<Pose::dim>(rng, format, noise)}, time()});
+    dataset.edges.push_back(
+        {RelativePoseEdge<Pose>{key(i - 1), key(i), any_value<Pose>(rng, size), {}, any_noise<Pose::dim>(rng, format, noise)}, time()});
     if (!has_points) continue;
     dataset.edges.push_back(
-        {RelativePointEdge<Point>{key(i), key(records), any_value<Point>(rng, size), {}, any_noise<Point::dim>(rng, format, noise), offset}, time()});
-    dataset.edges.push_back({PriorEdge<Pose>{key(i), any_value<Pose>(rng, size), {}, any_noise<Pose::dim>(rng, format, noise), {}}, time()});
+        {RelativePointEdge<Point>{key(i), key(records), any_value<Point>(rng, size), {}, any_noise<Point::dim>(rng, format, noise), offset},
+         time()});
+    dataset.edges.push_back(
+        {PriorEdge<Pose>{key(i), any_value<Pose>(rng, size), {}, any_noise<Pose::dim>(rng, format, noise), {}}, time()});
     if (format == Format::PyFG) dataset.edges.push_back({RangeEdge{key(i), key(records), std::abs(any_finite(rng)), noise}, time()});
   }
   return dataset;
@@ -91,7 +94,8 @@ RC_GTEST_PROP(FileProperties, WhatIsWrittenIsReadBack, ()) {
 template <class Pose>
 void expect_same_noise() {
   std::mt19937_64 rng = any_rng();
-  const Format from = *rc::gen::element(Format::PyFG, Format::G2o, Format::Toro), to = *rc::gen::element(Format::PyFG, Format::G2o, Format::Toro);
+  const Format from = *rc::gen::element(Format::PyFG, Format::G2o, Format::Toro),
+               to = *rc::gen::element(Format::PyFG, Format::G2o, Format::Toro);
   const Pose measured = any_value<Pose>(rng, 10);
   const MatrixNoise<Pose::dim> noise = any_noise<Pose::dim>(rng, from, decades(-9, 9));
   const auto expected = noise.information(measured), there = noise.converted(to, measured).information(measured);

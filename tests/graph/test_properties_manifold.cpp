@@ -12,7 +12,7 @@ using properties::decades;
 template <class V>
 V anywhere(std::mt19937_64& rng, double far) {
   Vector<V::dim> delta = testing::random_vector<V::dim>(rng, 10);
-  if constexpr (space_dim<V> > 0 && V::dim > space_dim<V>)
+  if constexpr (space_dim < V >> 0 && V::dim > space_dim<V>)
     delta.template head<space_dim<V>>() *= far;
   else
     delta *= far;

@@ -23,7 +23,8 @@ struct Term {
 FactorId add(Graph& graph, const Term& term, double scale = 1) {
   const auto key = [](int i) { return P(static_cast<std::uint64_t>(i)); };
   if (term.second < 0)
-    return graph.add(Prior<Point2>::from_sigmas(term.mean, Vector<2>::Constant(term.sigma)), {key(term.first)}, Squared{}, scale * term.weight);
+    return graph.add(Prior<Point2>::from_sigmas(term.mean, Vector<2>::Constant(term.sigma)), {key(term.first)}, Squared{},
+                     scale * term.weight);
   return graph.add(PositionStep<Point2, Point2>{term.sigma}, {key(term.first), key(term.second)}, Squared{}, scale * term.weight);
 }
 
@@ -37,10 +38,12 @@ Problem any_problem(std::mt19937_64& rng) {
   Problem problem;
   for (int i = 0; i < points; ++i) {
     problem.start.insert(P(static_cast<std::uint64_t>(i)), Point2(testing::random_vector<2>(rng, 20)));
-    problem.terms.push_back({i, -1, Point2(testing::random_vector<2>(rng, 10)), testing::uniform(rng, 0.5, 5), testing::uniform(rng, 0.2, 3)});
+    problem.terms.push_back(
+        {i, -1, Point2(testing::random_vector<2>(rng, 10)), testing::uniform(rng, 0.5, 5), testing::uniform(rng, 0.2, 3)});
   }
   for (int i = 0; i < steps && points > 1; ++i) {
-    const int first = static_cast<int>(rng() % static_cast<unsigned>(points)), second = static_cast<int>(rng() % static_cast<unsigned>(points));
+    const int first = static_cast<int>(rng() % static_cast<unsigned>(points)),
+              second = static_cast<int>(rng() % static_cast<unsigned>(points));
     if (first != second) problem.terms.push_back({first, second, {}, testing::uniform(rng, 0.2, 3), testing::uniform(rng, 0.2, 3)});
   }
   return problem;
