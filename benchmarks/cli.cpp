@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <holdfast/benchmarks/cli.hpp>
+#include <holdfast/benchmarks/hosts.hpp>
 #include <holdfast/benchmarks/log.hpp>
 #include <holdfast/benchmarks/machine.hpp>
 #include <holdfast/solvers/backend.hpp>
@@ -36,6 +37,7 @@ std::vector<std::string> backends_of(const std::string& list) {
 }
 
 int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err) {
+  register_hosts();
   CLI::App app{"holdfast: robust state estimation for many robots, on back-ends that compare", "holdfast"};
   app.set_version_flag("--version", "holdfast " HOLDFAST_VERSION " (" + commit() + ")");
   bool verbose = false;

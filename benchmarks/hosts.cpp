@@ -1,0 +1,20 @@
+#include <holdfast/benchmarks/hosts.hpp>
+#ifdef HOLDFAST_WITH_GTSAM
+#include <holdfast/adapters/gtsam_backend.hpp>
+#endif
+#ifdef HOLDFAST_WITH_G2O
+#include <holdfast/adapters/g2o_backend.hpp>
+#endif
+
+namespace holdfast::bench {
+
+void register_hosts() {
+#ifdef HOLDFAST_WITH_GTSAM
+  register_gtsam_backends();
+#endif
+#ifdef HOLDFAST_WITH_G2O
+  register_g2o_backends();
+#endif
+}
+
+}  // namespace holdfast::bench
