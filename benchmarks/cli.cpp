@@ -48,6 +48,8 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
   CheckArguments check_arguments;
   BenchArguments bench_arguments;
   const CLI::App* solve_command = add_solve(app, solve_arguments);
+  TrackArguments track_arguments;
+  const CLI::App* track_command = add_track(app, track_arguments);
   const CLI::App* check_command = add_check(app, check_arguments);
   add_bench(app, bench_arguments);
   try {
@@ -60,6 +62,7 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
   Terminal terminal{out, err, &err == &std::cerr && ::isatty(STDERR_FILENO) != 0};
   const auto run_command = [&] {
     if (solve_command->parsed()) return solve(solve_arguments, terminal);
+    if (track_command->parsed()) return track(track_arguments, std::cin, terminal);
     if (check_command->parsed()) return check_file(check_arguments, terminal);
     return bench(bench_arguments, terminal);
   };

@@ -1,4 +1,4 @@
-// The program `holdfast`: solve, check, bench. main() only calls run(), so that tests run the same in their own process.
+// The program `holdfast`: solve, track, check, bench. main() only calls run(), so that tests run the same in their own process.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -34,6 +34,27 @@ struct SolveArguments {
 };
 CLI::App* add_solve(CLI::App& app, SolveArguments& arguments);
 int solve(const SolveArguments& arguments, Terminal& terminal);
+
+struct TrackArguments {
+  std::string file;  ///< "-": standard input
+  double lag = 20;  ///< [s]
+  std::string backend = "irls";
+  std::string loss = "huber:2";
+  std::string leaving = "marginalize";
+  std::string format = "json";
+  std::string states = "newest";
+  double tolerance = 1e-6;
+  int threads = 1;
+  unsigned seed = 0;
+  double landmark_sigma = 1;  ///< [m]
+  std::string save;
+  std::uint64_t save_every = 100;  ///< steps
+  bool resume = false;
+  bool strict = false;
+};
+CLI::App* add_track(CLI::App& app, TrackArguments& arguments);
+/// Reads `in` where the file is "-".
+int track(const TrackArguments& arguments, std::istream& in, Terminal& terminal);
 
 struct CheckArguments {
   std::string file;
