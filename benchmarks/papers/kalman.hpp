@@ -2,7 +2,9 @@
 //
 //   predicted    x ← F x,  P ← F P Fᵀ + Q
 //   Innovation   r = z − h(x),  S = H P Hᵀ + R        linear: h(x) = H x; extended: H = ∂h/∂x at the predicted x
-//   corrected    K = P Hᵀ S⁻¹,  x ← x + K r,  P ← P − K S Kᵀ
+//   corrected    K = P Hᵀ S⁻¹,  x ← x + K r,  P ← (I − K H) P (I − K H)ᵀ + K R Kᵀ, made symmetric
+//
+// The last is Joseph's form. The shorter P − K S Kᵀ is not for filters that weigh samples as differently as paper B's: it diverges there.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -42,15 +44,17 @@ Matrix<M, M> innovation_covariance(const Matrix<N, N>& P, const Matrix<M, N>& H,
 }
 
 template <int N, int M>
-Gaussian<N> corrected(const Gaussian<N>& x, const Innovation<M>& innovation, const Matrix<M, N>& H) {
+Gaussian<N> corrected(const Gaussian<N>& x, const Innovation<M>& innovation, const Matrix<M, N>& H, const Matrix<M, M>& R) {
   const Matrix<N, M> K = innovation.S.llt().solve(H * x.covariance).transpose();
-  return {x.mean + K * innovation.r, x.covariance - K * innovation.S * K.transpose()};
+  const Matrix<N, N> rest = Matrix<N, N>::Identity(x.mean.size(), x.mean.size()) - K * H;
+  const Matrix<N, N> P = rest * x.covariance * rest.transpose() + K * R * K.transpose();
+  return {x.mean + K * innovation.r, 0.5 * (P + P.transpose())};
 }
 
 /// A linear measurement z = H x + N(0, R), in one go.
 template <int N, int M>
 Gaussian<N> corrected(const Gaussian<N>& x, const Vector<M>& z, const Matrix<M, N>& H, const Matrix<M, M>& R) {
-  return corrected(x, Innovation<M>{z - H * x.mean, innovation_covariance(x.covariance, H, R)}, H);
+  return corrected(x, Innovation<M>{z - H * x.mean, innovation_covariance(x.covariance, H, R)}, H, R);
 }
 
 }  // namespace holdfast::bench

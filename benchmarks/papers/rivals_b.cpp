@@ -32,7 +32,7 @@ Filtered<4> ImmB::filtered(const Gaussian<4>& before, const Matrix<4, 4>& F, con
   const Gaussian<4> prior = predicted(before, F, Q_);
   if (options_.kind == FilterB::ekf) return corrected_by_range_and_bearing(prior, gps);
   const Innovation<2> innovation{gps - kH * prior.mean, innovation_covariance(prior.covariance, kH, R_)};
-  return {corrected(prior, innovation, kH), innovation.log_likelihood()};
+  return {corrected(prior, innovation, kH, R_), innovation.log_likelihood()};
 }
 
 Filtered<4> ImmB::corrected_by_range_and_bearing(const Gaussian<4>& prior, const Vector<2>& gps) const {
@@ -44,7 +44,7 @@ Filtered<4> ImmB::corrected_by_range_and_bearing(const Gaussian<4>& prior, const
   H(1, 2) = x / (range * range);
   const Vector<2> r(gps.norm() - range, wrap_angle(std::atan2(gps[1], gps[0]) - std::atan2(y, x)));
   const Innovation<2> innovation{r, innovation_covariance(prior.covariance, H, R_)};
-  return {corrected(prior, innovation, H), innovation.log_likelihood()};
+  return {corrected(prior, innovation, H, R_), innovation.log_likelihood()};
 }
 
 Matrix<2, 2> adapted_covariance(const Vector<2>& r, const Matrix<2, 2>& W) {
@@ -76,7 +76,7 @@ Filtered<4> ImmB::corrected_adaptively(const Gaussian<4>& before, const Matrix<4
     innovation.S = innovation_covariance(prior.covariance, kH, R);
     squared = innovation.normalized_squared();
   }
-  return {corrected(prior, innovation, kH), innovation.log_likelihood()};
+  return {corrected(prior, innovation, kH, R), innovation.log_likelihood()};
 }
 
 }  // namespace holdfast::bench

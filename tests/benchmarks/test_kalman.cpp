@@ -34,7 +34,7 @@ std::vector<Vector<2>> measurements(int count) {
 Filtered<4> filtered(const Gaussian<4>& before, const Vector<2>& z, const Square& F, const Square& Q) {
   const Gaussian<4> prior = predicted(before, F, Q);
   const Innovation<2> innovation{z - H * prior.mean, innovation_covariance(prior.covariance, H, R)};
-  return {corrected(prior, innovation, H), innovation.log_likelihood()};
+  return {corrected(prior, innovation, H, R), innovation.log_likelihood()};
 }
 
 // By hand: P = 3, R = 1, z = 2: K = 3/4, x = 1.5, P = 3/4; ln N(2; 0, 4) = −½ (1 + ln 8π).
@@ -42,11 +42,20 @@ TEST(Kalman, OneNumberByHand) {
   const Gaussian<1> prior{Vector<1>(0), Matrix<1, 1>(3)};
   const Matrix<1, 1> one(1);
   const Innovation<1> innovation{Vector<1>(2), innovation_covariance(prior.covariance, one, one)};
-  const Gaussian<1> posterior = corrected(prior, innovation, one);
+  const Gaussian<1> posterior = corrected(prior, innovation, one, one);
   EXPECT_NEAR(posterior.mean[0], 1.5, 1e-15);
   EXPECT_NEAR(posterior.covariance(0, 0), 0.75, 1e-15);
   EXPECT_NEAR(innovation.normalized_squared(), 1, 1e-15);
   EXPECT_NEAR(innovation.log_likelihood(), -0.5 * (1 + std::log(8 * kPi)), 1e-14);
+}
+
+// The whitening of a prior asks for it, and rounding alone would not give it after a first guess of a kilometre.
+TEST(Kalman, CovarianceIsSymmetricToTheLastBit) {
+  Gaussian<4> state{Vector<4>::Zero(), Vector<4>(1e6, 400, 1e6, 400).asDiagonal()};
+  for (const Vector<2>& z : measurements(20)) {
+    state = corrected(predicted(state, transition<Motion2>(kStep), process_noise()), z, H, R);
+    EXPECT_EQ(state.covariance, state.covariance.transpose().eval());
+  }
 }
 
 TEST(Kalman, IsTheBatchSolutionOfTheGraphOnAGaussianChain) {
