@@ -23,6 +23,7 @@ const std::vector<Suite>& suites() {
       {"papers-b", "paper B's table: eight followers on a figure of eight, hybrid noise", false, 200, no_cases, bench_paper_b},
       {"range", "a race: real range data from odometry", false, 1000, range_cases, race_ranges},
       {"pose-graph", "a race: pose graphs, and how time grows with their size", false, 1000, pose_graph_cases, race_pose_graphs},
+      {"online", "a sliding window step by step: time, memory over a million steps, consistency", false, 1000, no_cases, race_online},
   };
   return all;
 }
