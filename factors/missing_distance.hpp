@@ -3,7 +3,7 @@
 //
 //   MissingDistancePrior     r = (Ω − d_prev) / ρ
 //   MissingDistanceBall      r = max(0, ‖p_a − p_b‖ − Ω) / σ
-//   MissingDistance          r = max(0, ‖p_a − p_b‖ − d_prev) / √(σ² + ρ²)     the minimum of both over Ω; estimate() reads Ω back
+//   MissingDistance          ‖r‖ = max(0, ‖p_a − p_b‖ − d_prev) / √(σ² + ρ²)   the minimum of both over Ω: a RangeBall; estimate() has Ω
 //
 // A and B: anything with a position; d_prev, σ, ρ [m]. The ball is one-sided and d_prev a biased guess when distances change: it helps
 // a filter with a fixed previous position and can hurt a smoother, which may prefer no factor at all for a lost range.
@@ -65,15 +65,15 @@ struct MissingDistance {
   double rho;     ///< how far a distance moves between measurements, one sigma [m]
 
   using Variables = variables<A, B>;
-  static constexpr int residual_dim = 1;
+  static constexpr int residual_dim = space_dim<A>;
   static constexpr bool is_convex = true;
   static const char* name() { return "MissingDistance"; }
 
-  Vector<1> operator()(const A& a, const B& b, Jacobians<MissingDistance>* J = nullptr) const {
+  Vector<residual_dim> operator()(const A& a, const B& b, Jacobians<MissingDistance>* J = nullptr) const {
     const RangeBall<A, B> ball{d_prev, std::hypot(sigma, rho)};
     if (J == nullptr) return ball(a, b);
     Jacobians<RangeBall<A, B>> of_ball;
-    const Vector<1> r = ball(a, b, &of_ball);
+    const Vector<residual_dim> r = ball(a, b, &of_ball);
     J->all = of_ball.all;
     return r;
   }
@@ -85,7 +85,7 @@ struct MissingDistance {
     return d_prev + variance / (sigma * sigma + variance) * excess;
   }
 
-  Vector<1> raw(const Vector<1>& r) const { return std::hypot(sigma, rho) * r; }  ///< [m]
+  Vector<residual_dim> raw(const Vector<residual_dim>& r) const { return std::hypot(sigma, rho) * r; }  ///< [m]
   void validate() const {
     require_not_negative("MissingDistance.d_prev", d_prev);
     require_positive("MissingDistance.sigma", sigma);

@@ -1,7 +1,9 @@
-// The convex relaxation of a range: a distance is an upper bound.   r = max(0, ‖p_a − p_b‖ − distance) / sigma
+// The convex relaxation of a range: a distance is an upper bound.   r = (x − y) / sigma,   x = p_b − p_a,   y = P_ball(distance)(x)
 //
-// Paper C (4)–(6): ½ r² is the least ½ ‖p_a − p_b − y‖²/σ² over the ball ‖y‖ ≤ distance, i.e. the squared distance to the ball.
-// A and B: anything with a position. Inside the ball, and where both positions coincide, residual and Jacobian are zero.
+// Paper C (4)–(6): ½‖r‖² = ½ max(0, ‖x‖ − distance)²/σ² is the least ½ ‖x − y‖²/σ² over the ball ‖y‖ ≤ distance, i.e. the squared
+// distance to the ball. As a vector, r has the curvature across the range that its length alone has not: with one component instead, JᵀJ
+// leaves a swarm free to turn about its anchors, and second-order back-ends stop far above the minimum. Components are along the axes of
+// the world: give it block losses. A and B: anything with a position. Inside the ball residual and Jacobian are zero.
 #pragma once
 
 #include <holdfast/factors/displacement.hpp>
@@ -15,18 +17,26 @@ struct RangeBall {
   double sigma;     ///< [m]
 
   using Variables = variables<A, B>;
-  static constexpr int residual_dim = 1;
+  static constexpr int residual_dim = space_dim<A>;
   static constexpr bool is_convex = true;  // for poses, too: the position is linear in every tangent
   static const char* name() { return "RangeBall"; }
 
-  Vector<1> operator()(const A& a, const B& b, Jacobians<RangeBall>* J = nullptr) const {
-    const auto norm = safe_norm(displacement(a, b));
-    const bool inside = norm.value <= distance;  // false for NaN, which so reaches the residual
-    if (J != nullptr) set_displacement_jacobian((inside ? 0 : 1 / sigma) * norm.gradient.transpose(), *J);
-    return Vector<1>(inside ? 0 : (norm.value - distance) / sigma);
+  Vector<residual_dim> operator()(const A& a, const B& b, Jacobians<RangeBall>* J = nullptr) const {
+    const Vector<residual_dim> x = displacement(a, b);
+    const auto norm = safe_norm(x);
+    if (norm.value <= distance) {  // false for NaN, which so reaches the residual
+      if (J != nullptr) J->all.setZero();
+      return Vector<residual_dim>::Zero();
+    }
+    const double outside = 1 - distance / norm.value;  // of x, this part
+    if (J != nullptr) {
+      using Square = Matrix<residual_dim, residual_dim>;
+      set_displacement_jacobian((outside * Square::Identity() + (1 - outside) * norm.gradient * norm.gradient.transpose()) / sigma, *J);
+    }
+    return outside / sigma * x;
   }
 
-  Vector<1> raw(const Vector<1>& r) const { return sigma * r; }  ///< [m]
+  Vector<residual_dim> raw(const Vector<residual_dim>& r) const { return sigma * r; }  ///< [m]
   void validate() const {
     require_not_negative("RangeBall.distance", distance);
     require_positive("RangeBall.sigma", sigma);

@@ -8,6 +8,7 @@
 // with a position. Where both positions coincide (below kZeroDistance) residual and Jacobian are zero.
 #pragma once
 
+#include <holdfast/factors/bearing_ray.hpp>
 #include <holdfast/factors/body_frame.hpp>
 #include <holdfast/factors/displacement.hpp>
 #include <holdfast/factors/rules.hpp>
@@ -42,6 +43,9 @@ struct VonMisesBearing {
     if (J != nullptr) set_displacement_jacobian(-root * detail::direction_jacobian(norm), *J);
     return root * (direction - norm.gradient);
   }
+
+  /// As wide as the bearing is at one metre: the edge says nothing of its length.
+  BearingRay<A, B> relaxed() const { return {direction, 1 / std::sqrt(kappa)}; }
 
   void validate() const {
     require_unit("VonMisesBearing.direction", direction);

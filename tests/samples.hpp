@@ -10,6 +10,7 @@
 // or 45 to 60 m (inactive), and rotation errors stay below 2.6 rad. So a sample is never near a point where a factor has a kink.
 #pragma once
 
+#include <holdfast/factors/bearing_ray.hpp>
 #include <holdfast/factors/between.hpp>
 #include <holdfast/factors/constant_turn.hpp>
 #include <holdfast/factors/huber_measurement.hpp>
@@ -18,6 +19,7 @@
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/range.hpp>
 #include <holdfast/factors/range_ball.hpp>
+#include <holdfast/factors/range_bearing.hpp>
 #include <holdfast/factors/range_bearing_ball.hpp>
 #include <holdfast/factors/relative_point.hpp>
 #include <holdfast/factors/von_mises_bearing.hpp>
@@ -36,6 +38,9 @@ using Concat = decltype(std::tuple_cat(std::declval<Lists>()...));
 template <template <class, class> class F>
 using OnPairs = std::tuple<F<Point2, Point2>, F<Motion2, Motion2>, F<Pose2, Pose2>, F<Pose2, Point2>, F<Point3, Point3>, F<Accel3, Motion3>,
                            F<Pose3, Pose3>, F<Pose3, Point3>>;
+/// The same where every pair was run with the parts that F is made of.
+template <template <class, class> class F>
+using OnSomePairs = std::tuple<F<Pose2, Point2>, F<Accel3, Motion3>>;
 /// F on a pose and whatever has a position.
 template <template <class, class> class F>
 using OnPoses = std::tuple<F<Pose2, Point2>, F<Pose2, Accel2>, F<Pose2, Pose2>, F<Pose3, Point3>, F<Pose3, Motion3>, F<Pose3, Pose3>>;
@@ -50,17 +55,18 @@ using LinearFactors =
                WhiteAcceleration<Motion3>, WhiteJerk<Accel2>, WhiteJerk<Accel3>, ConstantTurn<Motion2>, MissingDistancePrior>;
 using RangeFactors = Concat<OnPairs<Range>, OnPairs<RangeBall>, OnPairs<RangeBearingBall>>;
 using MissingFactors = Concat<OnPairs<MissingDistance>, OnPairs<MissingDistanceBall>>;
-using DirectionFactors = Concat<OnPairs<VonMisesBearing>, OnPoses<VonMisesBearingBody>, OnPoses<RelativePoint>, OnPairs<PositionStep>>;
+using DirectionFactors = Concat<OnPairs<VonMisesBearing>, OnPoses<VonMisesBearingBody>, OnPoses<RelativePoint>, OnPairs<PositionStep>,
+                                OnSomePairs<RangeBearing>, OnSomePairs<BearingRay>>;
 using StateFactors = Concat<OnAll<Prior>, OnAll<Between>>;
 using AllFactors = Concat<LinearFactors, RangeFactors, MissingFactors, DirectionFactors, StateFactors>;
 
 /// Each factor once, for tests that cost much a type.
-using SomeFactors =
-    std::tuple<Prior<Pose3>, Between<Pose2>, Between<Pose3>, Between<Point2>, RelativePoint<Pose2, Point2>, Range<Pose2, Point2>,
-               RangeBall<Point3, Point3>, VonMisesBearing<Point2, Motion2>, VonMisesBearingBody<Pose3, Point3>,
-               RangeBearingBall<Point2, Point2>, HuberMeasurement<Motion2>, HuberMeasurementEdge<Point2, Motion2>,
-               WhiteAcceleration<Motion2>, WhiteJerk<Accel2>, ConstantTurn<Motion2>, MissingDistancePrior,
-               MissingDistanceBall<Point2, Point2>, MissingDistance<Pose2, Point2>, PositionStep<Point2, Point2>>;
+using SomeFactors = std::tuple<Prior<Pose3>, Between<Pose2>, Between<Pose3>, Between<Point2>, RelativePoint<Pose2, Point2>,
+                               Range<Pose2, Point2>, RangeBall<Point3, Point3>, VonMisesBearing<Point2, Motion2>,
+                               VonMisesBearingBody<Pose3, Point3>, RangeBearingBall<Point2, Point2>, HuberMeasurement<Motion2>,
+                               HuberMeasurementEdge<Point2, Motion2>, WhiteAcceleration<Motion2>, WhiteJerk<Accel2>, ConstantTurn<Motion2>,
+                               MissingDistancePrior, MissingDistanceBall<Point2, Point2>, MissingDistance<Pose2, Point2>,
+                               PositionStep<Point2, Point2>, RangeBearing<Point2, Point2>, BearingRay<Point2, Point2>>;
 
 template <class T>
 struct Type {
@@ -199,6 +205,18 @@ struct Sample<RangeBearingBall<A, B>> : RandomVariables<RangeBearingBall<A, B>> 
 template <class A, class B>
 struct Sample<VonMisesBearing<A, B>> : RandomVariables<VonMisesBearing<A, B>> {
   static VonMisesBearing<A, B> factor(std::mt19937_64& rng) { return {random_unit<space_dim<A>>(rng), uniform(rng, 1, 100)}; }
+};
+
+template <class A, class B>
+struct Sample<RangeBearing<A, B>> : RandomVariables<RangeBearing<A, B>> {
+  static RangeBearing<A, B> factor(std::mt19937_64& rng) {
+    return {uniform(rng, 1, 30), uniform(rng, 0.5, 2), random_unit<space_dim<A>>(rng), uniform(rng, 1, 100)};
+  }
+};
+
+template <class A, class B>
+struct Sample<BearingRay<A, B>> : RandomVariables<BearingRay<A, B>> {
+  static BearingRay<A, B> factor(std::mt19937_64& rng) { return {random_unit<space_dim<A>>(rng), uniform(rng, 0.5, 2)}; }
 };
 
 template <class P, class B>

@@ -9,7 +9,7 @@ namespace {
 // Every list that a test_backends_*.cpp runs over. A factor that is added to samples.hpp must appear here, and in one of them.
 using Covered = Concat<LinearFactors, OnPairs<Range>, OnPairs<RangeBall>, OnPairs<RangeBearingBall>, OnPairs<MissingDistance>,
                        OnPairs<MissingDistanceBall>, OnPairs<VonMisesBearing>, OnPoses<VonMisesBearingBody>, OnPoses<RelativePoint>,
-                       OnPairs<PositionStep>, OnAll<Prior>, OnAll<Between>>;
+                       OnPairs<PositionStep>, OnSomePairs<RangeBearing>, OnSomePairs<BearingRay>, OnAll<Prior>, OnAll<Between>>;
 
 TEST(Conformance, CoversEveryFactor) { EXPECT_TRUE((std::is_same_v<Covered, AllFactors>)); }
 

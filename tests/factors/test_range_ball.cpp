@@ -9,10 +9,10 @@ namespace {
 
 using Ball = RangeBall<Pose2, Point2>;
 
-TEST(RangeBall, IsTheDistanceToTheBallInSigmas) {
-  EXPECT_DOUBLE_EQ((Ball{3, 0.5}(Pose2(1, 1, 2), Point2(4, 5)))[0], 4);
-  EXPECT_EQ((Ball{6, 0.5}(Pose2(1, 1, 2), Point2(4, 5)))[0], 0);
-  EXPECT_EQ((Ball{5, 0.5}(Pose2(1, 1, 2), Point2(4, 5)))[0], 0);
+TEST(RangeBall, IsTheWayToTheBallInSigmas) {
+  EXPECT_TRUE((Ball{3, 0.5}(Pose2(1, 1, 2), Point2(4, 5))).isApprox(Vector<2>(2.4, 3.2), 1e-15));  // 2 m outside
+  EXPECT_TRUE((Ball{6, 0.5}(Pose2(1, 1, 2), Point2(4, 5))).isZero(0));
+  EXPECT_TRUE((Ball{5, 0.5}(Pose2(1, 1, 2), Point2(4, 5))).isZero(0));
 }
 
 TEST(RangeBall, PullsOutsideAndNotInside) {
@@ -21,14 +21,17 @@ TEST(RangeBall, PullsOutsideAndNotInside) {
   Ball{6, 0.5}(Pose2(1, 1, 2), Point2(4, 5), &J);
   EXPECT_TRUE(J.all.isZero(0));
   Ball{3, 0.5}(Pose2(1, 1, 2), Point2(4, 5), &J);
-  EXPECT_TRUE(J.wrt<0>().isApprox(Matrix<1, 3>(-1.2, -1.6, 0), 1e-15));
+  const Vector<2> along(0.6, 0.8), across(-0.8, 0.6);
+  EXPECT_TRUE((J.wrt<1>() * along).isApprox(2 * along, 1e-15));
+  EXPECT_TRUE((J.wrt<1>() * across).isApprox(2 * 0.4 * across, 1e-15));  // 2 m of 5 m outside
+  EXPECT_EQ(J.wrt<0>().leftCols<2>(), -J.wrt<1>());
   EXPECT_LT(testing::jacobian_error(Ball{3, 0.5}, Pose2(1, 1, 2), Point2(4, 5)), 1e-10);
 }
 
 TEST(RangeBall, OfRadiusZeroIsFiniteWherePositionsCoincide) {
   Jacobians<Ball> J;
   J.all.setConstant(NAN);
-  EXPECT_EQ((Ball{0, 0.5}(Pose2(1, 1, 2), Point2(1, 1), &J))[0], 0);
+  EXPECT_TRUE((Ball{0, 0.5}(Pose2(1, 1, 2), Point2(1, 1), &J)).isZero(0));
   EXPECT_TRUE(J.all.isZero(0));
 }
 

@@ -30,7 +30,7 @@ TEST(Samples, EveryOneSidedFactorIsDrawnOnBothSides) {
   for (int i = 0; i < 20; ++i) {
     const F factor = Sample<F>::factor(rng);
     const auto [a, b] = Sample<F>::variables(rng);
-    active.insert(factor(a, b)[0] > 0);
+    active.insert(factor(a, b).norm() > 0);
   }
   EXPECT_EQ(active.size(), 2u);
 }
