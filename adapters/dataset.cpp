@@ -23,6 +23,7 @@ class Builder {
     }
     for (const Fixed& fixed : dataset_.fixed) problem_.graph.fix(fixed.key);
     if (!has_prior_ && dataset_.fixed.empty()) hold_the_world();
+    if (options_.start == ProblemOptions::Start::convex) start_convex();
     return std::move(problem_);
   }
 
@@ -32,10 +33,16 @@ class Builder {
       case ProblemOptions::Start::odometry:
         return odometry_start(dataset_, options_.seed);
       case ProblemOptions::Start::chordal:
+      case ProblemOptions::Start::convex:
         return chordal_start(dataset_);
       default:
         return vertex_start(dataset_);
     }
+  }
+
+  void start_convex() {
+    problem_.relaxed = relaxed_start(problem_.graph, problem_.start);
+    if (!problem_.relaxed->relaxed.usable()) fail<BadProblem>("the convex start: ", problem_.relaxed->relaxed.why());
   }
 
   template <class V>
@@ -121,7 +128,8 @@ ProblemOptions::Start start_named(const std::string& name) {
   if (name == "file") return ProblemOptions::Start::file;
   if (name == "odometry") return ProblemOptions::Start::odometry;
   if (name == "chordal") return ProblemOptions::Start::chordal;
-  fail<BadOption>("there is no start '", name, "'; there are: file odometry chordal");
+  if (name == "convex") return ProblemOptions::Start::convex;
+  fail<BadOption>("there is no start '", name, "'; there are: file odometry chordal convex");
 }
 
 Problem make_problem(const Dataset& dataset, const ProblemOptions& options) { return Builder(dataset, options).build(); }

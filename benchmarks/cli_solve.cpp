@@ -17,8 +17,11 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
   command->add_option("--backend", arguments.backends, "comma-separated names, or all")->capture_default_str();
   command->add_option("--loss", arguments.loss, "of every measurement but the odometry between consecutive poses: huber:2, cauchy:1, …")
       ->capture_default_str();
-  command->add_option("--start", arguments.start, "file: its vertices; odometry: dead reckoning; chordal: rotations first, as a linear problem")
-      ->check(CLI::IsMember({"file", "odometry", "chordal"}))
+  command
+      ->add_option("--start", arguments.start,
+                   "file: its vertices; odometry: dead reckoning; chordal: rotations first, as a linear problem; convex: positions from "
+                   "nothing, by the convex relaxation of the ranges, rotations as chordal")
+      ->check(CLI::IsMember({"file", "odometry", "chordal", "convex"}))
       ->capture_default_str();
   command->add_option("--threads", arguments.threads)->capture_default_str();
   command->add_option("--max-iterations", arguments.max_iterations, "0: the back-end's own limit")->capture_default_str();
@@ -118,15 +121,17 @@ class Solver {
         write_tum_directory((fs::path(arguments_.tum) / (stem + "_" + backend)).string(), answer, problem.times);
     }
     bar_.clear();
-    print(file, problem.instance, runs);
+    print(file, problem, runs);
     lines_.insert(lines_.end(), runs.begin(), runs.end());
   }
 
-  void print(const std::string& file, const Instance& instance, const std::vector<Json>& runs) {
+  void print(const std::string& file, const FileProblem& problem, const std::vector<Json>& runs) {
+    const Instance& instance = problem.instance;
     terminal_.out << file << ": " << instance.start.size() << " variables, " << instance.graph.size() << " factors, loss "
                   << plan_.problem.loss.str() << ", start " << arguments_.start;
     if (arguments_.start == "odometry") terminal_.out << " (seed " << arguments_.seed << ")";
     terminal_.out << ", tolerance " << arguments_.tolerance << ", threads " << arguments_.threads << '\n';
+    if (!problem.start.empty()) terminal_.out << "start: " << problem.start << '\n';
     print_solve(terminal_.out, runs);
     print_differences(terminal_.out, runs);
     terminal_.out << std::endl;

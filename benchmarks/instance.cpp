@@ -68,7 +68,10 @@ FileProblem load(const std::string& path, const ProblemOptions& options) {
   const Dataset dataset = read_any(path);
   try {
     Problem problem = make_problem(dataset, options);
-    return {{std::move(problem.graph), std::move(problem.start), truth_of(dataset, path)}, vertex_times(dataset), unknown_report(dataset)};
+    return {{std::move(problem.graph), std::move(problem.start), truth_of(dataset, path)},
+            vertex_times(dataset),
+            unknown_report(dataset),
+            problem.relaxed ? problem.relaxed->str() : ""};
   } catch (const Error& error) {  // these name the record, but the user gave several files
     fail<BadFile>(path, ": ", error.what());
   }

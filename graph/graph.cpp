@@ -145,7 +145,11 @@ Graph Graph::relaxed() const {
   convex.fixed_ = fixed_;
   for (const auto& batch : batches_) {
     auto counterpart = batch->relaxed();
+    Loss loss = batch->loss().relaxed();
+    if (counterpart && loss.one_sided) loss = Squared{};  // robust where a range is too long, which a ball does not see
+    if (counterpart) loss.per_component = false;          // its components are others
     convex.batches_.push_back(counterpart ? std::move(counterpart) : batch->clone());
+    convex.batches_.back()->loss_ = loss;
   }
   return convex;
 }

@@ -103,7 +103,8 @@ class Graph {
   const Place& place(FactorId id) const { return checked(id); }
   FactorId id_of(int batch, int index) const;
 
-  /// The graph with every factor that has a convex counterpart (factor.hpp, relaxed()) replaced by it; FactorIds stay valid.
+  /// The graph with every factor that has a convex counterpart (factor.hpp, relaxed()) replaced by it, and every loss that is not convex by
+  /// Huber; FactorIds stay valid.
   Graph relaxed() const;
 
   /// Changes whenever a factor comes or goes or a variable is fixed or freed.

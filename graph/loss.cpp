@@ -74,6 +74,14 @@ Rho Loss::rho(double s, int d) const {
   return {s, 1, 0};
 }
 
+Loss Loss::relaxed() const {
+  Loss convex = *this;
+  if (is_convex()) return convex;
+  convex.kind = Kind::Huber;
+  if (kind == Kind::StudentT) convex.scale = std::sqrt(scale);
+  return convex;
+}
+
 void Loss::validate(int residual_dim) const {
   if (!is_threshold(scale))
     fail<BadNumber>("loss ", str(), ": its threshold ", scale, " must be finite and > 0, from ", kLeast, " to ", kLargest, " [sigmas]");

@@ -39,6 +39,9 @@ struct Loss {
   /// ½ρ(r²) is a convex function of r: one minimum, and Newton steps descend to it.
   bool is_convex() const { return kind == Kind::Squared || kind == Kind::Absolute || kind == Kind::Huber || kind == Kind::PseudoHuber; }
 
+  /// The same, or where it is not convex Huber with the same threshold (√ν for StudentT).
+  Loss relaxed() const;
+
   /// Throws BadNumber where the scale breaks its rule, BadOption where one_sided has no single sign to look at.
   void validate(int residual_dim) const;
   std::string str() const;  ///< "huber:2", "cauchy:1:component:one_sided"; what parse reads

@@ -50,6 +50,28 @@ TEST_F(Solve, PrintsARowABackEnd) {
   EXPECT_EQ(outcome.err, "");
 }
 
+TEST_F(Solve, StartsFromNothing) {
+  std::ostringstream points;  // the vertices are worth nothing: what is known are the priors and the ranges
+  for (int i = 0; i < 5; ++i) points << "VERTEX_XY L" << i << " 1000 -1000\n";
+  const double corners[4][2] = {{0, 0}, {10, 0}, {10, 10}, {0, 10}};
+  for (int i = 0; i < 4; ++i) {
+    points << "VERTEX_XY:PRIOR 0 L" << i << ' ' << corners[i][0] << ' ' << corners[i][1] << " 0.0001 0 0.0001\n";
+    points << "EDGE_RANGE 0 L4 L" << i << ' ' << std::hypot(corners[i][0] - 3, corners[i][1] - 4) << " 0.01\n";
+  }
+  const std::string json = at("runs.jsonl");
+  const Outcome outcome =
+      holdfast_program({"solve", write("points.pyfg", points.str()), "--start", "convex", "--backend", "irls,nesterov", "--json", json});
+  EXPECT_EQ(outcome.code, kDone) << outcome.err;
+  for (const char* text : {"start convex", "at the centroid; convex problem"}) EXPECT_THAT(outcome.out, HasSubstr(text));
+  for (const auto& line : lines_of(json)) {
+    EXPECT_EQ(line["start"], "convex");
+    EXPECT_LT(line["cost"], 1e-6);
+  }
+  const Outcome poses = holdfast_program({"solve", write("two.pyfg", small_pyfg()), "--start", "convex", "--backend", "irls"});
+  EXPECT_EQ(poses.code, kDone) << poses.err;
+  EXPECT_THAT(poses.out, HasSubstr("at the centroid; partly relaxed problem"));
+}
+
 TEST_F(Solve, KnowsNoTruthInG2o) {
   const std::string json = at("runs.jsonl");
   EXPECT_EQ(holdfast_program({"solve", write("square.g2o", small_g2o()), "--backend", "irls", "--json", json}).code, kDone);

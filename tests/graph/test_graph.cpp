@@ -176,17 +176,21 @@ TEST(Graph, RelaxedReplacesWhatHasAConvexCounterpart) {
   const FactorId shorter = graph.add(PointRange{4, 0.5}, {A(0), A(1)}, Squared{}, 3);  // 1 m too far: r = 2
   const FactorId longer = graph.add(PointRange{11, 0.5}, {A(0), L(0)}, Huber{1});      // 1 m too near: the ball is content
   graph.add(prior_at(0, 2), {A(0)});
+  const FactorId robust = graph.add(PointRange{3, 0.5}, {A(0), A(1)}, one_sided(Cauchy{1}));  // r = 4, squared on this side
+  const FactorId student = graph.add(prior_at(3, 4), {A(1)}, per_component(StudentT{4}));     // r = 0
   graph.remove(gone);
   graph.fix(L(0));
   const Graph convex = graph.relaxed();
   EXPECT_EQ(convex.at<PointBall>(shorter).distance, 4);
   EXPECT_EQ(convex.at<PointBall>(longer).distance, 11);
   EXPECT_EQ(convex.batches()[convex.place(longer).batch]->loss(), Loss(Huber{1}));
+  EXPECT_EQ(convex.batches()[convex.place(robust).batch]->loss(), Loss());
+  EXPECT_EQ(convex.batches()[convex.place(student).batch]->loss(), per_component(Huber{2}));
   EXPECT_EQ(convex.size(), graph.size());
   EXPECT_TRUE(convex.is_fixed(L(0)));
   EXPECT_NE(convex.structure(), graph.structure());
-  EXPECT_DOUBLE_EQ(graph.cost(square()), 0.5 * (3 * 4 + 3 + 4));
-  EXPECT_DOUBLE_EQ(convex.cost(square()), 0.5 * (3 * 4 + 0 + 4));
+  EXPECT_DOUBLE_EQ(graph.cost(square()), 0.5 * (3 * 4 + 3 + 4 + 16));
+  EXPECT_DOUBLE_EQ(convex.cost(square()), 0.5 * (3 * 4 + 0 + 4 + 16));
 }
 
 TEST(Graph, StampChangesWithEveryChangeOfStructure) {
