@@ -27,7 +27,7 @@ Instance swarm(int nodes, unsigned seed);
 
 /// Paper C: three nodes Motion2 `A<k>`, `B<k>`, `C<k>` move among three known anchors, step (2, 0.4) m, 50 steps; each sees each anchor and
 /// each other node by range (σ = 0.5 m) and bearing (κ = 6000), both in one RangeBearingBall, and an edge loses `lost` of its measurements,
-/// never two in a row. WhiteAcceleration between steps. Convex. Start: the centre of the anchors.
+/// never two in a row nor the first (papers/network.hpp). WhiteAcceleration between steps. Convex. Start: the centre of the anchors.
 Instance formation(double lost, unsigned seed);
 
 /// A pose graph: two laps on a circle of 50 m, a pose Pose2 `A<k>` every two metres or so, odometry, and one closure in five poses between

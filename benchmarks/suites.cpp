@@ -21,6 +21,7 @@ const std::vector<Suite>& suites() {
       {"papers-a", "paper A's tables: one target, one and two UAVs, outliers and missing measurements", false, 200, no_cases,
        bench_paper_a},
       {"papers-b", "paper B's table: eight followers on a figure of eight, hybrid noise", false, 200, no_cases, bench_paper_b},
+      {"papers-c", "paper C's tables: networks localised by ranges and bearings, packets lost", false, 200, no_cases, bench_paper_c},
       {"range", "a race: real range data from odometry", false, 1000, range_cases, race_ranges},
       {"pose-graph", "a race: pose graphs, and how time grows with their size", false, 1000, pose_graph_cases, race_pose_graphs},
       {"online", "a sliding window step by step: time, memory over a million steps, consistency", false, 1000, no_cases, race_online},

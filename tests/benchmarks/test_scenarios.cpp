@@ -87,7 +87,7 @@ TEST(Swarm, HasEightNeighboursAndATenthAnchors) {
 TEST(Formation, LosesTheShareItWasAskedToLose) {
   const auto measurements = [](double lost) { return static_cast<double>(factors_named(formation(lost, 2).graph, "RangeBearingBall")); };
   EXPECT_EQ(measurements(0), 50 * (9 + 3));
-  EXPECT_NEAR(measurements(0.5), 300, 12);  // every other one
+  EXPECT_NEAR(measurements(0.5), 306, 6);  // every other one, beginning at step 1 or 2
   EXPECT_NEAR(measurements(0.2), 480, 40);
   EXPECT_TRUE(is_convex(formation(0.5, 2).graph));
 }
@@ -142,16 +142,10 @@ TEST(Unicycle, HasOneCostForEveryBackEnd) {
 
 TEST(Formation, HasOneCostForEveryBackEnd) { expect_one_cost(formation(0.5, 1)); }
 
-// Convex: where the gradient vanishes is the minimum. (irls and ceres stop above it: JᵀJ has no curvature across a range.)
-TEST(Swarm, NesterovEndsAtTheMinimum) {
-  const Instance instance = swarm(60, 1);
-  Options options;
-  options.cost_tolerance = 1e-10;
-  Values values = instance.start, others = instance.start;
-  const Summary nesterov = make_backend("nesterov", options)->solve(instance.graph, values);
-  EXPECT_EQ(nesterov.termination, Termination::converged) << nesterov.str();
-  EXPECT_LT(nesterov.gradient_norm, 1e-2);  // of 1e4 at the start
-  EXPECT_LE(nesterov.cost, make_backend("irls", options)->solve(instance.graph, others).cost * (1 + 1e-6));
+// Convex, and from anywhere: a ball's residual is a vector, so that JᵀJ bends across a range as the cost does.
+TEST(Swarm, HasOneCostForEveryBackEnd) {
+  expect_one_cost(swarm(60, 1));
+  expect_one_cost(swarm(60, 2));
 }
 
 }  // namespace
