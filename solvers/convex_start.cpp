@@ -118,7 +118,7 @@ Summary solve_relaxed(const Graph& relaxed, Values& values, Options options) {
   const int limit = options.max_iterations;
   options.max_iterations = limit > 0 ? std::min(limit, kPatience) : kPatience;
   const Summary quick = make_backend("irls", options)->solve(relaxed, values);
-  if (quick.termination != Termination::iteration_limit || (limit > 0 && limit <= kPatience)) return quick;
+  if (quick.termination != Termination::iteration_limit || (limit > 0 && limit <= kPatience) || !all_convex(relaxed)) return quick;
   options.max_iterations = limit > 0 ? limit - kPatience : 0;
   Summary patient = make_backend("nesterov", options)->solve(relaxed, values);
   add_up(quick, patient);
