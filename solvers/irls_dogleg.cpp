@@ -6,7 +6,9 @@
 namespace holdfast {
 namespace {
 
-constexpr double kFirstDamping = 1e-9, kMostDamping = 1e9;
+constexpr double kFirstDamping = 1e-12, kMostDamping = 1e9;
+constexpr double kSingular =
+    1e13;  // a step whose curvature is less than this part of its length² in the metric of diag H is made of rounding
 constexpr double kLeastDiagonal = 1e-12;
 
 double dot_in(const std::vector<double>& metric, const std::vector<double>& a, const std::vector<double>& b) {
@@ -28,14 +30,16 @@ void TrustRegion::accept(double gain_ratio, double length) {
 bool Irls::Workspace::find_newton_step() {
   read_diagonal();
   steepest_slope = 0;
-  double lambda = 0;
-  while (!std::isfinite(solve_damped(lambda))) {
-    lambda = lambda == 0 ? kFirstDamping : 10 * lambda;
-    if (lambda > kMostDamping) return false;
+  for (double lambda = 0; lambda <= kMostDamping; lambda = lambda == 0 ? kFirstDamping : 10 * lambda) {
+    const double predicted = solve_damped(lambda);
+    if (!std::isfinite(predicted)) continue;
+    const double length2 = dot_in(diagonal, step, step);
+    if (!(length2 <= kSingular * 2 * predicted)) continue;
+    std::swap(newton, step);
+    newton_length = std::sqrt(length2);
+    return true;
   }
-  std::swap(newton, step);
-  newton_length = std::sqrt(dot_in(diagonal, newton, newton));
-  return true;
+  return false;
 }
 
 // On the plane of both directions, p = a·steepest + b·newton, the model is made of six products.
