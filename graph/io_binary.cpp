@@ -15,6 +15,12 @@ const char* ByteReader::take(std::size_t size) {
   return from;
 }
 
+bool ByteReader::get_bool() {
+  const auto byte = get<std::uint8_t>();
+  if (byte > 1) fail<BadFile>("a truth value is ", int{byte}, ", neither 0 nor 1");
+  return byte == 1;
+}
+
 std::string ByteReader::get_text() {
   const std::size_t size = get_count(1);
   return {take(size), size};
@@ -72,8 +78,18 @@ struct BinaryIo {
     std::sort(fixed.begin(), fixed.end());
     out.put<std::uint64_t>(fixed.size());
     for (Key key : fixed) out.put(key);
+    write_ids(out, graph);
     out.put<std::uint64_t>(graph.batches().size());
     for (const auto& batch : graph.batches()) write(out, *batch);
+  }
+  // The generation of each number, the free numbers, then the number of each factor in the batches' order.
+  static void write_ids(io::ByteWriter& out, const Graph& graph) {
+    out.put<std::uint64_t>(graph.places_.size());
+    for (const Graph::Place& place : graph.places_) out.put<std::uint32_t>(place.generation);
+    out.put<std::uint64_t>(graph.free_.size());
+    for (int number : graph.free_) out.put<std::int32_t>(number);
+    for (std::size_t b = 0; b < graph.batches().size(); ++b)
+      for (int i = 0; i < graph.batches()[b]->size(); ++i) out.put<std::int32_t>(graph.id_of(static_cast<int>(b), i).number);
   }
   static void write(io::ByteWriter& out, const FactorBatch& batch) {
     const bool is_prior = batch.factor_type() == typeid(LinearPrior);
@@ -108,7 +124,32 @@ struct BinaryIo {
 
   static void read(io::ByteReader& in, Graph& graph) {
     for (std::size_t fixed = in.get_count(sizeof(std::uint64_t)); fixed > 0; --fixed) graph.fix(in.get_key());
+    const std::vector<int> free = read_ids(in, graph);
     for (std::size_t batches = in.get_count(1); batches > 0; --batches) read_batch(in, graph);
+    if (!graph.free_.empty()) fail<BadFile>("it names ", graph.free_.size(), " factors more than it holds");
+    graph.free_ = free;
+  }
+  // Leaves the factors' numbers in graph.free_ so that enter() hands them out in the batches' order; returns the numbers that stay free.
+  static std::vector<int> read_ids(io::ByteReader& in, Graph& graph) {
+    for (std::size_t size = in.get_count(sizeof(std::uint32_t)); size > 0; --size) graph.places_.push_back({-1, -1, in.get<std::uint32_t>()});
+    const std::size_t count_free = in.get_count(sizeof(std::int32_t));
+    if (count_free > graph.places_.size()) fail<BadFile>("it has ", count_free, " free factor numbers of ", graph.places_.size());
+    std::vector<int> numbers;
+    std::vector<char> is_named(graph.places_.size(), 0);
+    for (std::size_t i = 0; i < graph.places_.size(); ++i) {
+      const auto number = in.get<std::int32_t>();
+      if (number < 0 || static_cast<std::size_t>(number) >= is_named.size() || is_named[number] != 0)
+        fail<BadFile>("factor number ", number, " is named twice, or is none of its ", is_named.size());
+      is_named[number] = 1;
+      numbers.push_back(number);
+    }
+    const auto end_of_free = numbers.begin() + static_cast<std::ptrdiff_t>(count_free);
+    graph.free_.assign(numbers.rbegin(), std::make_reverse_iterator(end_of_free));
+    return {numbers.begin(), end_of_free};
+  }
+  static void enter(Graph& graph, FactorBatch& batch, const Key* keys, double weight) {
+    if (graph.free_.empty()) fail<BadFile>("it holds more factors than it names");
+    graph.enter(batch, keys, weight);
   }
   static void read_batch(io::ByteReader& in, Graph& graph) {
     const std::string name = in.get_text();
@@ -122,6 +163,7 @@ struct BinaryIo {
     loss.one_sided = in.get<bool>();
     std::size_t size = in.get_count(sizeof(double));
     if (name == "LinearPrior") {
+      if (size > 1) fail<BadFile>("it holds a batch of ", size, " LinearPriors; one each");
       graph.batches_.push_back(std::make_unique<LinearPriorBatch>());
       if (size > 0) read_prior(in, graph);
       return;
@@ -129,12 +171,13 @@ struct BinaryIo {
     const FactorType* type = io_type(name, bytes);
     graph.batches_.push_back(type->make(loss));
     FactorBatch& batch = *graph.batches_.back();
+    loss.validate(batch.residual_dim());
     for (; size > 0; --size) {
       const auto weight = in.get<double>();
       std::vector<Key> keys;
       for (int k = 0; k < batch.arity(); ++k) keys.push_back(in.get_key());
       type->push(batch, in.take(bytes));
-      graph.enter(batch, keys.data(), weight);
+      enter(graph, batch, keys.data(), weight);
     }
   }
   static const FactorType* io_type(const std::string& name, std::uint64_t bytes) {
@@ -161,7 +204,7 @@ struct BinaryIo {
     prior.validate();
     FactorBatch& batch = *graph.batches_.back();
     static_cast<LinearPriorBatch&>(batch).hold(prior);
-    graph.enter(batch, prior.keys.data(), weight);
+    enter(graph, batch, prior.keys.data(), weight);
   }
 };
 

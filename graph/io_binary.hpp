@@ -35,12 +35,14 @@ class ByteReader {
   explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
   template <class T>
   T get() {
+    if constexpr (std::is_same_v<T, bool>) return get_bool();
     T number;
     std::memcpy(&number, take(sizeof number), sizeof number);
     return number;
   }
   const char* take(std::size_t size);
   void require(std::size_t size) const;  ///< so many bytes are left
+  bool get_bool();  ///< a byte, 0 or 1
   std::string get_text();
   Key get_key();
   /// A number of things, each of at least `bytes`; BadFile where so many cannot follow.

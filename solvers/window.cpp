@@ -116,20 +116,31 @@ void Window::fail_unknown(Key key, const std::string& factor) const {
 }
 
 // Checks first, so that a refused state leaves no trace.
-Window::Agent& Window::agent_for(Key key, double time) {
+void Window::require_new_state(Key key, double time) const {
   require_time(time);
   if (values_.contains(key)) fail<BadKey>("key ", key, " is in the window already; each state has its own index");
-  Agent* agent = find(key.agent());
-  if (agent != nullptr) {
+  if (const Agent* agent = find(key.agent())) {
     for (const State& state : agent->states)
       if (same_time(state.time, time))
         fail<BadTime>("key ", key, ": agent ", std::string(1, key.agent()), " has a state at ", time, " s already, ", state.key, "; measure that one");
-    return *agent;
+    return;
   }
   for (Key other : values_.keys())
     if (other.agent() == key.agent()) fail<BadKey>("key ", key, ": there is a landmark ", other, " of this letter; choose another one");
-  agents_.push_back({key.agent(), nullptr, {}, 0});
-  return agents_.back();
+}
+
+// Its value, and the odometry that leads to it, are there already.
+void Window::enter_new(Key key, double time, FactorId odometry) {
+  if (!has_agent(key.agent())) agents_.push_back({key.agent(), nullptr, {}, 0});
+  Agent& agent = *find(key.agent());
+  try {
+    const Place place = tie(agent, key, time);
+    enter(agent, {key, time, place.motion}, place);
+  } catch (...) {
+    if (odometry.number >= 0) graph_.remove(odometry);
+    values_.erase(key);
+    throw;
+  }
 }
 
 // The motion factors come first: they may refuse the times or their own numbers, and then nothing has changed.

@@ -96,28 +96,20 @@ class Window {
   template <class V>
   void add_state(Key key, double time, const V& start) {
     const Lap lap(*this);
-    Agent& agent = agent_for(key, time);
-    const Place place = tie(agent, key, time);
+    require_new_state(key, time);
     values_.insert(key, start);
-    enter(agent, {key, time, place.motion}, place);
+    enter_new(key, time);
   }
   /// A state that odometry leads to: its start is where the factor on {from, key} points.
   template <class F>
   void add_state(Key key, double time, Key from, const F& odometry, const Loss& loss = {}) {
     const Lap lap(*this);
     using V = typename F::Variables::template type<0>;
+    require_new_state(key, time);
     const V start = predict(odometry, values_.at<V>(from));
-    Agent& agent = agent_for(key, time);
     const FactorId id = graph_.add(odometry, {from, key}, loss);
-    Place place;
-    try {
-      place = tie(agent, key, time);
-    } catch (...) {
-      graph_.remove(id);
-      throw;
-    }
     values_.insert(key, start);
-    enter(agent, {key, time, place.motion}, place);
+    enter_new(key, time, id);
   }
   /// The agent's state at this time; made, if there is none, from its motion.
   Key at(char letter, double time);
@@ -175,7 +167,8 @@ class Window {
   /// The whole window and a note of yours into a versioned, checksummed file, written whole or not at all. Throws BadFile.
   void save(const std::string& path, std::string_view note = {}) const;
   /// Into a window with the same options and the same motion models, whose states it replaces; returns the note. What follows has the
-  /// same bits as if nothing had happened. Throws BadFile where the file is torn, foreign, of another version, or holds an agent with
+  /// same bits as if nothing had happened, and FactorIds of before name their factors again. An agent with a motion model that joined
+  /// after the save stays, without states. Throws BadFile where the file is torn, foreign, of another version, or holds an agent with
   /// another motion or a type that this program does not have; the window is then as it was.
   std::string restore(const std::string& path);
 
@@ -219,7 +212,8 @@ class Window {
     (values_.at<typename Vars::template type<I>>(keys[I]), ...);
   }
   [[noreturn]] void fail_unknown(Key key, const std::string& factor) const;
-  Agent& agent_for(Key key, double time);
+  void require_new_state(Key key, double time) const;
+  void enter_new(Key key, double time, FactorId odometry = {});
   /// Where among its agent's states a new one comes, and its motion from the state before and to the one after.
   struct Place {
     std::size_t index = 0;

@@ -8,7 +8,7 @@ namespace holdfast {
 namespace {
 
 constexpr std::string_view kMagic = "holdfast window\n";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 /// FNV-1a, 64 bits.
 std::uint64_t checksum(std::string_view bytes) {
@@ -70,7 +70,9 @@ std::string Window::restore(const std::string& path) {
     for (std::size_t count = in.get_count(1); count > 0; --count) {
       Agent agent{in.get<char>(), nullptr, {}, 0};
       const std::string motion = in.get_text();
-      Agent* const mine = find(agent.letter);
+      if (std::any_of(agents.begin(), agents.end(), [&](const Agent& a) { return a.letter == agent.letter; }))
+        fail<BadFile>("it holds agent ", std::string(1, agent.letter), " twice");
+      const Agent* const mine = find(agent.letter);
       const std::string my_motion = mine != nullptr && mine->motion ? mine->motion->name() : "";
       if (my_motion != motion)
         fail<BadFile>("its agent ", std::string(1, agent.letter), " moves by ", motion.empty() ? "odometry" : motion, ", here by ",
@@ -81,12 +83,15 @@ std::string Window::restore(const std::string& path) {
         const auto time = in.get<double>();
         const auto batch = in.get<std::int32_t>(), index = in.get<std::int32_t>();
         values.slot(key);
-        if (batch >= static_cast<int>(graph.batches().size()) || (batch >= 0 && index >= graph.batches()[batch]->size()))
+        if (batch >= static_cast<int>(graph.batches().size()) || (batch >= 0 && (index < 0 || index >= graph.batches()[batch]->size())))
           fail<BadFile>("a state's motion is factor ", index, " of batch ", batch, ", which it does not hold");
         agent.states.push_back({key, time, batch >= 0 ? graph.id_of(batch, index) : FactorId{}});
       }
       agents.push_back(std::move(agent));
     }
+    for (const Agent& mine : agents_)
+      if (mine.motion && std::none_of(agents.begin(), agents.end(), [&](const Agent& a) { return a.letter == mine.letter; }))
+        agents.push_back({mine.letter, nullptr, {}, 0});
     for (Agent& agent : agents)  // nothing can fail from here on
       if (Agent* const mine = find(agent.letter)) agent.motion = std::move(mine->motion);
     agents_ = std::move(agents);

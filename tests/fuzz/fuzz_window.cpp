@@ -7,7 +7,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace holdfast;
   fuzz::Bytes bytes(data, size);
-  static const std::string path = "/tmp/holdfast_fuzz_window_" + std::to_string(::getpid());
+  static const std::string path = "/dev/shm/holdfast_fuzz_window_" + std::to_string(::getpid());
   testing::WindowLife life(
       bytes, [](const std::string& text) { fuzz::require(false, text.c_str()); }, bytes.below(8) == 0 ? path : std::string());
   life.live(120);

@@ -375,6 +375,52 @@ TEST(Window, ResumesWithTheSameBits) {
   std::filesystem::remove(path);
 }
 
+TEST(Window, NamesFactorsAfterARestoreAsBeforeTheSave) {
+  const std::string path = path_of("ids");
+  Window first = two_agents(true);
+  drive(first, 1, 20);
+  const FactorId taken_back = first.add(position({9, 9}), {first.newest_key('A')});
+  const FactorId kept = first.add(position({1, 2}), {first.newest_key('A')});
+  first.remove(taken_back);
+  first.save(path);
+  Window second = two_agents(false);
+  second.restore(path);
+  EXPECT_FALSE(second.graph().contains(taken_back));
+  EXPECT_EQ(second.graph().at<Position>(kept).known, first.graph().at<Position>(kept).known);
+  const FactorId next = first.add(position({3, 4}), {first.newest_key('A')}), same = second.add(position({3, 4}), {second.newest_key('A')});
+  EXPECT_EQ(next.number, same.number);
+  EXPECT_EQ(next.generation, same.generation);
+  std::filesystem::remove(path);
+}
+
+TEST(Window, KeepsAnAgentThatJoinedAfterTheSave) {
+  const std::string path = path_of("joined");
+  Window first = tracker(exact_options(1.0));
+  first.save(path);
+  Window second = two_agents(true);
+  second.restore(path);
+  EXPECT_EQ(second.agents(), "AB");
+  EXPECT_TRUE(second.states('B').empty());
+  second.add_state(B(0), 0.0, Motion2(0, 1, 0, 1));
+  EXPECT_EQ(second.at('B', 0.25).agent(), 'B');  // its motion is still there
+  std::filesystem::remove(path);
+}
+
+TEST(Window, AStateThatIsRefusedLeavesNoTrace) {
+  Window window = tracker(exact_options(1.0));
+  window.step(0.0);
+  const std::size_t factors = window.graph().size();
+  Motion bad = motion();
+  bad.sqrt_information.setConstant(NAN);
+  EXPECT_THROW(window.add_state(B(0), 0.1, A(0), bad), BadNumber);                 // of an agent that is not there yet
+  EXPECT_THROW(window.add_state(A(7), 0.1 * kStep, Motion2(0, 1, 0, 1)), BadTime);  // off the motion's grid
+  EXPECT_THROW(window.add_state(A(7), 0.1 * kStep, A(0), motion()), BadTime);
+  EXPECT_EQ(window.agents(), "A");
+  EXPECT_EQ(window.states('A').size(), 1u);
+  EXPECT_EQ(window.graph().size(), factors);
+  EXPECT_EQ(window.values().size(), 1u);
+}
+
 void expect_refused(Window& window, const std::string& path, const std::string& bytes, const std::string& why) {
   std::ofstream(path, std::ios::binary) << bytes;
   const Values before = window.values();
