@@ -62,18 +62,17 @@ inline std::vector<nlohmann::ordered_json> lines_of(const std::string& path) {
 }
 
 /// Two robots in the plane that meet by ranges; robot A's odometry is a little off. Vertices are truth.
-inline std::string small_pyfg() {
+inline std::string small_pyfg(int poses = 5) {
   std::ostringstream text;
-  constexpr int kPoses = 5;
   for (char agent : {'A', 'B'})
-    for (int k = 0; k < kPoses; ++k) text << "VERTEX_SE2 " << k << ' ' << agent << k << ' ' << k << ' ' << (agent == 'A' ? 0 : 3) << " 0\n";
+    for (int k = 0; k < poses; ++k) text << "VERTEX_SE2 " << k << ' ' << agent << k << ' ' << k << ' ' << (agent == 'A' ? 0 : 3) << " 0\n";
   text << "VERTEX_XY L0 2 7\n";
   for (char agent : {'A', 'B'})
-    for (int k = 1; k < kPoses; ++k)
+    for (int k = 1; k < poses; ++k)
       text << "EDGE_SE2 " << k << ' ' << agent << k - 1 << ' ' << agent << k << (agent == 'A' ? " 1.02 0.01 0.002" : " 1 0 0")
            << " 0.01 0 0 0.01 0 0.0001\n";
-  for (int k = 0; k < kPoses; ++k) text << "EDGE_RANGE " << k << " A" << k << " B" << k << (k == 2 ? " 30" : " 3") << " 0.01\n";
-  for (int k = 0; k < kPoses; ++k) {
+  for (int k = 0; k < poses; ++k) text << "EDGE_RANGE " << k << " A" << k << " B" << k << (k == 2 ? " 30" : " 3") << " 0.01\n";
+  for (int k = 0; k < poses; ++k) {
     text << "EDGE_RANGE " << k << " A" << k << " L0 " << std::hypot(2.0 - k, 7.0) << " 0.01\n";
     text << "EDGE_RANGE " << k << " B" << k << " L0 " << std::hypot(2.0 - k, 4.0) << " 0.01\n";
   }

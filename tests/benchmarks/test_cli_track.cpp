@@ -2,8 +2,10 @@
 
 #include <csignal>
 #include <iostream>
+#include <random>
 #include <thread>
 
+#include "../faults.hpp"
 #include "cli_helpers.hpp"
 
 namespace holdfast::bench {
@@ -106,6 +108,30 @@ TEST_F(CliTrack, ResumesAfterTheLastLineTaken) {
     EXPECT_EQ(first.out + second.out, whole.out);
     EXPECT_EQ(text_of(at("part")), text_of(at("whole")));
   }
+}
+
+// The power goes at any moment; scripts/kill_track does it from outside, on real data and as often as wanted.
+TEST_F(CliTrack, KilledTwentyTimesEndsAsIfNothingHadHappened) {
+  const std::string file = write("long.pyfg", small_pyfg(400));
+  const auto track = [&](const std::string& save) {
+    return holdfast_program({"track", file, "--lag", "20", "--save", at(save), "--save-every", "3", "--resume"});
+  };
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_EQ(track("whole").code, kDone);
+  const std::chrono::duration<double, std::micro> alone = std::chrono::steady_clock::now() - begin;
+  std::mt19937_64 rng(1);
+  int in_between = 0;
+  for (int kill = 0; kill < 20; ++kill) {
+    faults::kill_while([&] { track("part"); }, std::chrono::microseconds(static_cast<long>(alone.count() / 6 * std::generate_canonical<double, 53>(rng))));
+    const std::string saved = text_of(at("part"));
+    if (saved == text_of(at("whole")))
+      std::filesystem::remove(at("part"));  // it came to its end: once more
+    else
+      in_between += saved.empty() ? 0 : 1;
+  }
+  EXPECT_GT(in_between, 5) << "most kills came before the first save, or after the last one";
+  EXPECT_EQ(track("part").code, kDone);
+  EXPECT_EQ(text_of(at("part")), text_of(at("whole")));
 }
 
 TEST_F(CliTrack, SaysWhatIsWrongWithTheCommandLine) {
