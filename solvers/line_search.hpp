@@ -30,11 +30,13 @@ Phi phi_of_rows(const Loss& loss, int rows, int block, const double* weights, co
 void weights_of_rows(const FactorBatch& batch, double* weights);
 
 /// The α > 0 that minimises φ along a descent direction, to a slope of `accuracy` times the first one: a safeguarded Newton iteration from
-/// α = 1. start: value and slope at 0; evaluate(α) = φ(α). What is returned has φ(α) ≤ φ(0), or is 0.
+/// α = 1. start: value and slope at 0; evaluate(α) = φ(α). What is returned has φ(α) ≤ φ(0) but for rounding, or is 0: near a minimum
+/// values no longer differ, and slopes still do.
 /// Where Newton leaves the bracket the next α is where the tangents at its ends meet: of a convex φ it lies inside, and one such step
 /// comes back from far out on a slope that has saturated.
 template <class Evaluate>
 double minimize_along(const Phi& start, double accuracy, const Evaluate& evaluate) {
+  const double equal = start.value + 1e-14 * std::abs(start.value);
   double low = 0, high = -1;  // the slope is negative at low, positive at high
   Phi at_low = start, at_high;
   double alpha = 1, best = 0, best_value = start.value, width = -1;
@@ -44,8 +46,8 @@ double minimize_along(const Phi& start, double accuracy, const Evaluate& evaluat
       best_value = phi.value;
       best = alpha;
     }
-    if (std::abs(phi.slope) <= accuracy * std::abs(start.slope) && phi.value <= start.value) return alpha;
-    const bool beyond = phi.slope >= 0 || phi.value > start.value;
+    if (std::abs(phi.slope) <= accuracy * std::abs(start.slope) && phi.value <= equal) return alpha;
+    const bool beyond = phi.slope >= 0 || phi.value > equal;
     (beyond ? high : low) = alpha;
     (beyond ? at_high : at_low) = phi;
     const double newton = alpha - phi.slope / phi.curvature;

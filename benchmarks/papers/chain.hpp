@@ -6,7 +6,8 @@
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/irls.hpp>
+#include <holdfast/solvers/marginalize.hpp>
 #include <optional>
 #include <vector>
 
@@ -30,13 +31,17 @@ class Chain {
     Matrix<2, 2> Q;
     double weight = 1;
   };
-  Chain(const std::vector<Camera>& cameras, ChainLosses losses) : cameras_(cameras), losses_(std::move(losses)) {}
+  Chain(const std::vector<Camera>& cameras, ChainLosses losses);
 
-  /// Puts these nodes and the arrival cost into graph() and values(). The prior's root is symmetric, as is that of every other factor here:
-  /// it matters to a loss by component.
-  void set(const std::vector<ChainNode>& nodes, const std::optional<Gaussian<4>>& arrival);
-  /// Solves and writes the answer into the nodes, those of set().
+  /// Puts these nodes and the arrival cost into graph() and values(). To a loss by component the root of the arrival matters.
+  void set(const std::vector<ChainNode>& nodes, const std::optional<Prior<Motion2>>& arrival);
+  /// Solves and writes the answer into the nodes, those of set(). A back-end that compares costs stops where costs have no more digits, √ε
+  /// before the minimum; Ceres, which leaves out ρ'' and so creeps under Huber, micrometres before it. Newton's steps on the gradient go
+  /// the rest of the way, so that every back-end ends in the same digits.
   Summary solve(Backend& backend, std::vector<ChainNode>& nodes);
+  /// What is left when the first node leaves: solvers/marginalize.hpp, measurements at their weights at its state. An arrival cost of the
+  /// second, exact for a chain: it is what a Kalman step makes of it.
+  Prior<Motion2> marginalized(const Prior<Motion2>& arrival, const ChainNode& first, const ChainNode& second);
 
   const Graph& graph() const { return graph_; }
   const Values& values() const { return values_; }
@@ -46,7 +51,9 @@ class Chain {
   double squared_residual(const ChainNode& node, std::size_t camera) const;
 
  private:
+  using Measurement = HuberMeasurement<Motion2>;
   void build(std::size_t nodes, bool has_arrival);
+  Measurement seen(const Camera& camera, const Vector<2>& z) const;
 
   std::vector<Camera> cameras_;
   ChainLosses losses_;
@@ -55,6 +62,8 @@ class Chain {
   std::vector<std::vector<FactorId>> measurements_;
   std::vector<FactorId> motions_;
   std::optional<FactorId> arrival_;
+  Irls newton_;
+  Marginalizer marginalizer_;
 };
 
 }  // namespace holdfast::bench

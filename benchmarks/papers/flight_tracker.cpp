@@ -12,9 +12,26 @@ Vector<5> TurningPrior::operator()(const Motion2& x, const Scalar& omega, Jacobi
   return sqrt_information * (error - mean);
 }
 
+namespace {
+
+/// A prior on [x; ω] as marginalisation left it, about where it was linearised.
+TurningPrior turning_prior(const LinearPrior& left, Key x) {
+  if (left.rows != 5) fail<BadProblem>("a state that is left leaves ", left.rows, " rows of 5: its arrival cost must hold every direction");
+  const Eigen::Map<const Matrix<5, 5>> A(left.A.data());
+  const Eigen::Map<const Vector<5>> b(left.b.data()), x0(left.x0.data());
+  Eigen::PermutationMatrix<5> order;  // from the prior's variables to [x; ω]
+  order.indices() << 0, 1, 2, 3, 4;
+  if (left.keys[0] != x) order.indices() << 4, 0, 1, 2, 3;
+  const Matrix<5, 5> W = A * order.transpose();
+  return {order * (x0 - A.partialPivLu().solve(b)), W};
+}
+
+}  // namespace
+
 FlightTracker::Window::Window(int states, std::size_t followers, const FlightTracker& tracker)
     : backend(make_backend(tracker.options_.backend)) {
   backend->options.cost_tolerance = tracker.options_.cost_tolerance;
+  backend->options.reweighting = Reweighting::newton;  // turns are nearly linear, and Huber is convex
   for (std::size_t f = 0; f < followers; ++f) {
     samples.emplace_back(states);
     arrivals.push_back(graph.add(TurningPrior{Vector<5>::Zero(), Matrix<5, 5>::Identity()}, {x(f, 0), omega(f, 0)}));
@@ -29,7 +46,7 @@ FlightTracker::Window::Window(int states, std::size_t followers, const FlightTra
 }
 
 void FlightTracker::Window::set_arrival(std::size_t follower, const Node& node) {
-  graph.at<TurningPrior>(arrivals[follower]) = {node.arrival.mean, sqrt_information_from_covariance<5>(node.arrival.covariance)};
+  graph.at<TurningPrior>(arrivals[follower]) = node.arrival;
 }
 
 void FlightTracker::Window::set_sample(std::size_t follower, int state, std::size_t i, const Vector<2>& gps) {
@@ -58,7 +75,7 @@ FlightTracker::FlightTracker(double dt, const std::vector<Motion2>& start, const
   for (std::size_t f = 0; f < start.size(); ++f) {
     Vector<5> mean;
     mean << start[f].value, 0;
-    nodes_[f].push_back({{mean, sigmas.cwiseAbs2().asDiagonal()}, {start[f], Scalar()}, {}});
+    nodes_[f].push_back({{mean, sigmas.cwiseInverse().asDiagonal()}, {start[f], Scalar()}, {}});
     now_.set_arrival(f, nodes_[f].back());
     now_.start_at(f, 0, nodes_[f].back());
   }
@@ -86,16 +103,12 @@ void FlightTracker::step(const std::vector<Vector<2>>& gps) {
 // The state is left for the next one: what it knows goes into the next one's arrival cost.
 void FlightTracker::complete_states() {
   for (std::size_t f = 0; f < nodes_.size(); ++f) {
-    Node& node = nodes_[f].back();
-    node.believed = now_.believed(f, 0);
-    const Gaussian<5> known = marginalized(node);
-    const CoordinatedTurn::Prediction ahead = turn_.predicted(Motion2(known.mean.head<4>()), known.mean[4]);
-    const Matrix<5, 5> P = ahead.F * known.covariance * ahead.F.transpose() + turn_.covariance();
-    const Node next{{ahead.mean, P}, {Motion2(ahead.mean.head<4>()), Scalar(ahead.mean[4])}, {}};
-    nodes_[f].push_back(next);
+    nodes_[f].back().believed = now_.believed(f, 0);
+    judge(f);
+    nodes_[f].push_back(following(nodes_[f].back()));
     if (static_cast<int>(nodes_[f].size()) > options_.window + 1) nodes_[f].erase(nodes_[f].begin());
-    now_.set_arrival(f, next);
-    now_.start_at(f, 0, next);
+    now_.set_arrival(f, nodes_[f].back());
+    now_.start_at(f, 0, nodes_[f].back());
     for (const FactorId id : now_.samples[f][0]) now_.graph.set_weight(id, 0);
   }
   if (options_.looks_back && static_cast<int>(nodes_[0].size()) > options_.window) look_back();
@@ -115,18 +128,32 @@ void FlightTracker::look_back() {
     for (int s = 0; s < options_.window; ++s) nodes_[f][s].believed = back_.believed(f, s);
 }
 
-// The state from its arrival cost and its samples, weighed as they are now.
-Gaussian<5> FlightTracker::marginalized(const Node& node) const {
-  const Matrix<5, 5> prior = node.arrival.covariance.inverse();
-  Matrix<5, 5> information = prior;
-  for (std::size_t i = 0; i < node.gps.size(); ++i) {
-    Jacobians<Sample> J;
-    const Vector<2> r = sample(i, node.gps[i])(node.believed.x, &J);
-    information.topLeftCorner<4, 4>() += options_.loss.rho(r.squaredNorm(), 2).first * J.all.transpose() * J.all;
+void FlightTracker::judge(std::size_t follower) {
+  const Node& node = nodes_[follower].back();
+  for (std::size_t i = 0; i < node.gps.size(); ++i, ++judged_) {
+    const Vector<2> r = sample(i, node.gps[i])(node.believed.x);  // in sigmas
+    if (std::sqrt(options_.R) * r.norm() > options_.outlier)
+      flags_.push_back({follower, step_ - static_cast<int>(node.gps.size()) + static_cast<int>(i)});
   }
-  Vector<5> mean;
-  mean << node.believed.x.value, node.believed.omega.value;
-  return {mean, information.inverse()};
+}
+
+FlightTracker::Node FlightTracker::following(const Node& node) {
+  const Key x = Agent('A')(0), omega = Agent('a')(0), next_x = Agent('A')(1), next_omega = Agent('a')(1);
+  const CoordinatedTurn::Prediction ahead = turn_.predicted(node.believed.x, node.believed.omega.value);
+  Node next{{}, {Motion2(ahead.mean.head<4>()), Scalar(ahead.mean[4])}, {}};
+  Values values;
+  values.insert(x, node.believed.x);
+  values.insert(omega, node.believed.omega);
+  values.insert(next_x, next.believed.x);
+  values.insert(next_omega, next.believed.omega);
+  Graph leaving;
+  leaving.add(node.arrival, {x, omega});
+  for (std::size_t i = 0; i < node.gps.size(); ++i) leaving.add(sample(i, node.gps[i]), {x}, options_.loss, 1);
+  leaving.add(turn_, {x, omega, next_x, next_omega});
+  marginalizer_.eliminate(leaving, values, x);
+  const FactorId left = marginalizer_.eliminate(leaving, values, omega);
+  next.arrival = turning_prior(std::as_const(leaving).at<LinearPrior>(left), next_x);
+  return next;
 }
 
 Motion2 FlightTracker::state(std::size_t follower) const {
@@ -136,12 +163,11 @@ Motion2 FlightTracker::state(std::size_t follower) const {
 }
 
 Matrix<4, 4> FlightTracker::covariance(std::size_t follower) const {
-  Node node = nodes_[follower].back();
-  node.believed = now_.believed(follower, 0);
+  const Believed now = now_.believed(follower, 0);
   const CoordinatedTurn turn{(step_ % options_.spacing) * dt_, options_.q, options_.q_turn};
-  const Matrix<5, 5> F = turn.predicted(node.believed.x, node.believed.omega.value).F;
-  const Matrix<5, 5> P = F * marginalized(node).covariance * F.transpose() + turn.covariance();
-  return P.topLeftCorner<4, 4>();
+  const Matrix<5, 5> P = Marginals(now_.graph, now_.values).joint<Motion2, Scalar>(now_.x(follower, 0), now_.omega(follower, 0));
+  const Matrix<5, 5> F = turn.predicted(now.x, now.omega.value).F;
+  return (F * P * F.transpose() + turn.covariance()).topLeftCorner<4, 4>();
 }
 
 Motion2 FlightTracker::smoothed(std::size_t follower, int steps_ago) const {

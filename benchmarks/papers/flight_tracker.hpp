@@ -2,19 +2,21 @@
 //
 // A state every `spacing` samples is enough for a drone that flies smoothly; a sample τ after it measures p + τ v (τ ≤ 0.5 s: what the turn
 // adds to that, ½ v ω τ² = 1 mm, is left out). The residual is robust one by one.
-//   lag 0   the latest state, its samples so far, and the arrival cost: what all before says of it, marginalised where its next state
-//   begins later   `window` states with the turns between them (coordinated_turn.hpp), solved whenever one is complete
+//   lag 0   the latest state, its samples so far, and the arrival cost: what all before says of it, marginalised (solvers/marginalize.hpp)
+//           where its next state begins
+//   later   `window` states with the turns between them (coordinated_turn.hpp), solved whenever one is complete
+// A sample is flagged as an outlier where it is further than `outlier` from the answer of the state that holds it, when that is complete.
 #pragma once
 
-#include <holdfast/benchmarks/papers/kalman.hpp>
 #include <holdfast/factors/coordinated_turn.hpp>
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/marginalize.hpp>
 #include <vector>
 
 namespace holdfast::bench {
 
-/// What is known of a state and its turn rate:   r = W ([x; ω] − mean).
+/// What is known of a state and its turn rate: r = W ([x; ω] − mean).
 struct TurningPrior {
   Vector<5> mean;
   Matrix<5, 5> sqrt_information;
@@ -35,8 +37,9 @@ struct FlightTrackerOptions {
   int spacing = 16;          ///< samples a state
   int window = 6;            ///< states
   bool looks_back = true;    ///< false: lag 0 alone
+  double outlier = 3.5;      ///< [m]: GPS has 1 m
   std::string backend = "irls";
-  double cost_tolerance = 1e-6;
+  double cost_tolerance = 0;  ///< of a solve: to the last digit, so that every back-end gives the same numbers
 };
 
 class FlightTracker {
@@ -53,18 +56,30 @@ class FlightTracker {
   /// So many samples ago, from all that came until the latest complete state; not before the first state of the window.
   Motion2 smoothed(std::size_t follower, int steps_ago) const;
 
- private:
-  using Sample = HuberMeasurement<Motion2>;
+  /// Flagged samples, by follower and step.
+  struct Flag {
+    std::size_t follower;
+    int step;
+  };
+  const std::vector<Flag>& flags() const { return flags_; }
+  /// Samples that have been judged.
+  int judged() const { return judged_; }
+
   struct Believed {
     Motion2 x;
     Scalar omega;
   };
   /// A state and what is known of it.
   struct Node {
-    Gaussian<5> arrival;
+    TurningPrior arrival;
     Believed believed;
-    std::vector<Vector<2>> gps;
+    std::vector<Vector<2>> gps;  ///< its samples, one every dt
   };
+  /// What a state leaves for the next one when it goes, samples at their weights at `believed`; and where that one begins.
+  Node following(const Node& node);
+
+ private:
+  using Sample = HuberMeasurement<Motion2>;
   /// `states` states of every follower in a graph whose structure stays.
   struct Window {
     Window(int states, std::size_t followers, const FlightTracker& tracker);
@@ -84,8 +99,8 @@ class FlightTracker {
   };
 
   Sample sample(std::size_t i, const Vector<2>& gps) const;
-  Gaussian<5> marginalized(const Node& node) const;
   void complete_states();
+  void judge(std::size_t follower);
   void look_back();
 
   const double dt_;
@@ -93,7 +108,10 @@ class FlightTracker {
   const CoordinatedTurn turn_;
   std::vector<std::vector<Node>> nodes_;  ///< by follower: the latest `window` complete ones, then the one that fills
   Window now_, back_;
+  Marginalizer marginalizer_;
   int step_ = -1;
+  std::vector<Flag> flags_;
+  int judged_ = 0;
 };
 
 }  // namespace holdfast::bench

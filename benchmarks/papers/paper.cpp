@@ -1,29 +1,13 @@
 #include <algorithm>
-#include <cstdio>
 #include <holdfast/benchmarks/machine.hpp>
-#include <holdfast/benchmarks/papers/paper.hpp>
-#include <holdfast/benchmarks/table.hpp>
+#include <holdfast/benchmarks/papers/paper_cells.hpp>
+#include <holdfast/graph/factor.hpp>
 #include <holdfast/graph/parallel.hpp>
+#include <holdfast/solvers/backend.hpp>
 #include <map>
-#include <set>
 
 namespace holdfast::bench {
 namespace {
-
-/// The scores of one row in one column, seed by seed.
-struct Cell {
-  std::vector<double> errors, microseconds;
-  std::map<std::string, std::vector<double>> more;
-
-  void add(const Json& line) {
-    const auto number = [](const Json& json) { return json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN(); };
-    errors.push_back(number(line["error"]));
-    microseconds.push_back(number(line["us_per_step"]));
-    for (const auto& [name, value] : line["more"].items())
-      if (value.is_number()) more[name].push_back(value.get<double>());
-  }
-};
-using Cells = std::vector<std::vector<Cell>>;  // by row, then column
 
 std::string identity(const std::string& table, const std::string& column, const std::string& row, unsigned seed, const std::string& commit,
                      const Json& machine) {
@@ -31,13 +15,6 @@ std::string identity(const std::string& table, const std::string& column, const 
 }
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-std::string text(double value) {
-  if (!std::isfinite(value)) return "-";
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, "%.4g", value);
-  return buffer;
-}
 
 /// The lines of earlier calls, by what was run.
 class Known {
@@ -68,6 +45,7 @@ class Known {
     line["error"] = number(score.error);
     line["us_per_step"] = number(score.microseconds);
     line["more"] = score.more;
+    if (!score.failure.empty()) line["failure"] = score.failure;
     line["commit"] = commit_;
     line["machine"] = machine_;
     return line;
@@ -79,10 +57,12 @@ class Known {
   std::map<std::string, Json> lines_;
 };
 
+unsigned runs_of(const PaperTable& table, const RunnerOptions& options) { return std::min(options.runs, table.most_runs); }
+
 Cells run_table(const char* suite, const PaperTable& table, const RunnerOptions& options, ThreadPool& pool, Journal& journal,
                 const Known& known, ProgressBar& bar) {
   Cells cells(table.rows.size(), std::vector<Cell>(table.columns.size()));
-  for (unsigned run = 0; run < options.runs; ++run) {
+  for (unsigned run = 0; run < runs_of(table, options); ++run) {
     const unsigned seed = options.seed + run;
     bar.begin(table.name + ", seed " + std::to_string(seed));
     std::vector<std::vector<Json>> lines;
@@ -93,7 +73,7 @@ Cells run_table(const char* suite, const PaperTable& table, const RunnerOptions&
     }
     parallel_for(&pool, static_cast<int>(missing.size()), [&](int i) {
       const std::size_t c = missing[i];
-      const std::vector<Score> scores = table.run(c, seed);
+      const std::vector<Score> scores = attempted(table.rows.size(), [&] { return table.run(c, seed); });
       for (std::size_t r = 0; r < table.rows.size(); ++r) lines[c].push_back(known.line_of(suite, table, c, r, seed, scores.at(r)));
     });
     std::vector<Json> fresh;
@@ -106,100 +86,58 @@ Cells run_table(const char* suite, const PaperTable& table, const RunnerOptions&
   return cells;
 }
 
-std::string mean_and_range(const std::vector<double>& numbers) {
-  double sum = 0;
-  for (const double x : numbers) sum += x;
-  const auto [least, largest] = std::minmax_element(numbers.begin(), numbers.end());
-  return text(sum / static_cast<double>(numbers.size())) + " (" + text(*least) + "-" + text(*largest) + ")";
-}
-
-std::vector<Table::Column> titles(const PaperTable& table, const std::string& first) {
-  std::vector<Table::Column> columns{{first, Table::Align::left}};
-  for (const std::string& column : table.columns) columns.push_back({column, Table::Align::right});
-  return columns;
-}
-
-void print_errors(std::ostream& out, const PaperTable& table, const Cells& cells) {
-  std::vector<Table::Column> columns = titles(table, "");
-  columns.push_back({"µs/step", Table::Align::right});
-  Table printed(columns);
-  for (std::size_t r = 0; r < cells.size(); ++r) {
-    const PaperRow& row = table.rows[r];
-    if (!row.paper.empty()) {
-      std::vector<std::string> line{row.name + ": paper"};
-      for (std::size_t c = 0; c < table.columns.size(); ++c) line.push_back(c < row.paper.size() ? text(row.paper[c]) : "-");
-      line.push_back("");
-      printed.add(line);
-    }
-    std::vector<std::string> line{row.paper.empty() ? row.name : "  here"};
-    std::vector<double> microseconds;
-    for (const Cell& cell : cells[r]) {
-      line.push_back(text(quantile(cell.errors, 0.5)) + " (" + text(quantile(cell.errors, 0.1)) + "-" + text(quantile(cell.errors, 0.9)) +
-                     ")");
-      microseconds.insert(microseconds.end(), cell.microseconds.begin(), cell.microseconds.end());
-    }
-    line.push_back(text(quantile(microseconds, 0.5)));
-    printed.add(line);
-  }
-  printed.print(out);
-}
-
-void print_more(std::ostream& out, const PaperTable& table, const Cells& cells) {
-  std::set<std::string> names;
-  for (const auto& row : cells)
-    for (const Cell& cell : row)
-      for (const auto& [name, numbers] : cell.more) names.insert(name);
-  for (const std::string& name : names) {
-    Table printed(titles(table, name + ": mean (least-largest)"));
-    for (std::size_t r = 0; r < cells.size(); ++r) {
-      std::vector<std::string> line{table.rows[r].name};
-      bool any = false;
-      for (const Cell& cell : cells[r]) {
-        const auto numbers = cell.more.find(name);
-        any = any || numbers != cell.more.end();
-        line.push_back(numbers == cell.more.end() ? "-" : mean_and_range(numbers->second));
-      }
-      if (any) printed.add(line);
-    }
-    printed.print(out);
-  }
-}
-
-bool any_failed(const Cells& cells) {
-  for (const auto& row : cells)
-    for (const Cell& cell : row)
-      for (const double error : cell.errors)
-        if (!std::isfinite(error)) return true;
-  return false;
+Json tracks_of(const char* suite, const PaperTable& table, unsigned seed) {
+  Json line;
+  line["suite"] = suite;
+  line["tracks of"] = table.name;
+  line["seed"] = seed;
+  line["commit"] = commit();
+  line["machine"] = machine();
+  line["tracks"] = table.tracks(seed);
+  return line;
 }
 
 }  // namespace
 
-double quantile(std::vector<double> numbers, double q) {
-  numbers.erase(std::remove_if(numbers.begin(), numbers.end(), [](double x) { return std::isnan(x); }), numbers.end());
-  if (numbers.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(numbers.begin(), numbers.end());
-  const double place = q * static_cast<double>(numbers.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  const std::size_t above = std::min(below + 1, numbers.size() - 1);
-  return numbers[below] + (place - static_cast<double>(below)) * (numbers[above] - numbers[below]);
+std::vector<Score> attempted(std::size_t rows, const std::function<std::vector<Score>()>& estimate) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  try {
+    return estimate();
+  } catch (const std::exception& error) {
+    return std::vector<Score>(rows, {kNone, kNone, Json::object(), detail::demangled(typeid(error)) + ": " + error.what()});
+  }
+}
+
+bool has_ceres() {
+  const std::vector<std::string> names = backend_names();
+  return std::find(names.begin(), names.end(), "ceres") != names.end();
+}
+
+Json track_of(const std::vector<Vector<2>>& positions, int every) {
+  Json track = Json::array();
+  for (std::size_t k = 0; k < positions.size(); k += every)
+    track.push_back({0.01 * std::round(100 * positions[k][0]), 0.01 * std::round(100 * positions[k][1])});
+  return track;
 }
 
 bool run_tables(const char* suite, const std::vector<PaperTable>& tables, const RunnerOptions& options, Journal& journal,
                 Terminal& terminal) {
   ThreadPool pool(options.solver.threads);
-  ProgressBar bar(terminal, tables.size() * options.runs);
+  std::size_t work = 0;
+  for (const PaperTable& table : tables) work += runs_of(table, options);
+  ProgressBar bar(terminal, work);
   const Known known(journal, options.fresh);
   bool all_is_well = true;
   for (const PaperTable& table : tables) {
     const Cells cells = run_table(suite, table, options, pool, journal, known, bar);
     bar.clear();
+    if (table.tracks) journal.append(tracks_of(suite, table, options.seed));
+    const unsigned runs = runs_of(table, options);
     terminal.out << "== " << suite << ", " << table.name << "\n"
-                 << table.what << "\nMedian (10 %-90 %) of " << options.runs << " runs, seeds " << options.seed << "-"
-                 << options.seed + options.runs - 1 << ". Commit " << commit() << ", " << machine()["cpu"].get<std::string>() << ", "
-                 << options.solver.threads << " threads.\n";
-    print_errors(terminal.out, table, cells);
-    print_more(terminal.out, table, cells);
+                 << table.what << "\nMedian (10 %-90 %) of " << runs << " runs, seeds " << options.seed << "-" << options.seed + runs - 1
+                 << ". Commit " << commit() << ", " << machine()["cpu"].get<std::string>() << ", " << options.solver.threads
+                 << " threads.\n";
+    print_cells(terminal.out, table, cells);
     terminal.out << std::endl;
     if (any_failed(cells)) all_is_well = false;
   }

@@ -21,6 +21,11 @@ Motion2 at_rest(const Vector<2>& p) { return {p[0], 0.0, p[1], 0.0}; }
 
 Square covariance_of(const Motion& motion) { return (motion.sqrt_information * motion.sqrt_information).inverse(); }
 
+/// With a symmetric root, as every other factor here has.
+Prior<Motion2> prior_of(const Gaussian<4>& state) {
+  return {Motion2(state.mean), symmetric_sqrt_information_from_covariance<4>(state.covariance)};
+}
+
 /// One window after the other.
 class Windowed {
  public:
@@ -29,7 +34,7 @@ class Windowed {
         options_(options),
         chain_(std::vector<Chain::Camera>(pursuit.options.sensors.size(), {kQ, 1}), options.losses),
         backend_(make_backend(options.backend)) {
-    backend_->options.max_iterations = 200;
+    backend_->options.cost_tolerance = 0;
   }
 
   Motion2 step(int k) {
@@ -37,8 +42,8 @@ class Windowed {
     const auto first = seen_first(sightings);
     if (!first) return predicted_at(k);
     enter(k, sightings, *first);
-    std::optional<Gaussian<4>> arrival;
-    if (options_.anchored) arrival = arrivals_.front();
+    std::optional<Prior<Motion2>> arrival;
+    if (options_.anchored) arrival = prior_of(arrivals_.front());
     if (nodes_.size() > 1 || arrival) {
       chain_.set(nodes_, arrival);
       chain_.solve(*backend_, nodes_);

@@ -36,6 +36,14 @@ Motion2 between(const Motion2& from, const Motion2& to, double t, double T) {
   return state;
 }
 
+/// At rest where it is seen; returns the first place.
+Vector<2> start_at_measurements(std::vector<ChainNode>& nodes) {
+  for (ChainNode& node : nodes)
+    for (const auto& z : node.z)
+      if (z) node.state = Motion2((*z)[0], 0.0, (*z)[1], 0.0);
+  return nodes.front().state.position();
+}
+
 std::vector<Chain::Camera> cameras_of(const std::vector<Matrix<2, 2>>& Q) {
   std::vector<Chain::Camera> cameras;
   for (const Matrix<2, 2>& one : Q) cameras.push_back({one, 1});
@@ -51,6 +59,7 @@ RobustTracker::RobustTracker(double dt, const std::vector<Matrix<2, 2>>& Q, cons
       chain_(cameras_, {options.loss, Squared(), Squared()}),
       backend_(make_backend(options.backend)) {
   backend_->options.cost_tolerance = options.cost_tolerance;
+  backend_->options.reweighting = Reweighting::newton;
 }
 
 void RobustTracker::step(const std::vector<Sighting>& sightings) {
@@ -70,7 +79,7 @@ void RobustTracker::enter(const std::vector<Sighting>& sightings) {
   if (nodes_.empty()) {
     const Vector<2> p = *std::find_if(node.z.begin(), node.z.end(), [](const auto& z) { return z.has_value(); })->operator->();
     arrival_ = nothing_known(p);
-    node.state = Motion2(arrival_.mean);
+    node.state = arrival_.mean;
   } else {
     const ChainNode& before = nodes_.back();
     node.motion = motion((step_ - before.step) * dt_, measured_ > kFirstStates ? &before.state : nullptr);
@@ -114,14 +123,9 @@ bool RobustTracker::explains_the_data() const {
 
 void RobustTracker::drop_first() {
   const ChainNode& first = nodes_.front();
-  const Matrix<2, 4> C = Motion2::position_jacobian();
-  for (std::size_t c = 0; c < cameras_.size(); ++c) {
-    if (!first.z[c]) continue;
-    decisions_.push_back({first.step, c, is_rejected(first, c)});
-    const double weight = options_.loss.rho(chain_.squared_residual(first, c), 2).first;
-    if (weight > 1e-9) arrival_ = corrected(arrival_, *first.z[c], C, Matrix<2, 2>(cameras_[c].Q / weight));
-  }
-  arrival_ = moved(arrival_, nodes_[1].motion);
+  for (std::size_t c = 0; c < cameras_.size(); ++c)
+    if (first.z[c]) decisions_.push_back({first.step, c, is_rejected(first, c)});
+  arrival_ = chain_.marginalized(arrival_, first, nodes_[1]);
   dropped_.push_back(first);
   nodes_.erase(nodes_.begin());
   while (dropped_.size() + nodes_.size() > options_.memory) dropped_.pop_front();
@@ -129,15 +133,8 @@ void RobustTracker::drop_first() {
 
 void RobustTracker::acquire() {
   next_acquisition_ = measured_ + kPatience;
-  // No arrival cost, no opinion on how fast the target is: both come from what is doubted.
-  std::vector<ChainNode> tracked(dropped_.begin(), dropped_.end());
-  tracked.insert(tracked.end(), nodes_.begin(), nodes_.end());
-  for (std::size_t i = 1; i < tracked.size(); ++i) tracked[i].motion = motion(tracked[i].motion.duration(), nullptr);
-  std::vector<ChainNode> found = tracked;
-  for (ChainNode& node : found)
-    for (const auto& z : node.z)
-      if (z) node.state = Motion2((*z)[0], 0.0, (*z)[1], 0.0);
-  const Gaussian<4> anywhere = nothing_known(found.front().state.position());
+  std::vector<ChainNode> tracked = remembered(), found = tracked;
+  const Prior<Motion2> anywhere = nothing_known(start_at_measurements(found));
 
   const auto graduated = gnc(make_backend(options_.backend, backend_->options));
   Chain chain(cameras_, {TruncatedSquares{kRejected}, Squared(), Squared()});
@@ -145,12 +142,24 @@ void RobustTracker::acquire() {
   const double cost_found = chain.solve(*graduated, found).cost;
   chain.set(tracked, anywhere);
   const double cost_tracked = chain.solve(*backend_, tracked).cost;
-  if (!(cost_found < cost_tracked * (1 - 1e-6))) return;
+  if (cost_found < cost_tracked * (1 - 1e-6)) go_on_from(found, anywhere);
+}
 
-  if (measured_ > kFirstStates) ++reacquisitions_;
-  if (measured_ > kFirstStates)
+// All that is held, with no opinion on how fast the target is: that comes from what is doubted.
+std::vector<ChainNode> RobustTracker::remembered() const {
+  std::vector<ChainNode> nodes(dropped_.begin(), dropped_.end());
+  nodes.insert(nodes.end(), nodes_.begin(), nodes_.end());
+  for (std::size_t i = 1; i < nodes.size(); ++i) nodes[i].motion = motion(nodes[i].motion.duration(), nullptr);
+  return nodes;
+}
+
+// Without an arrival cost, too.
+void RobustTracker::go_on_from(std::vector<ChainNode> found, const Prior<Motion2>& anywhere) {
+  if (measured_ > kFirstStates) {
+    ++reacquisitions_;
     for (std::size_t i = 1; i < found.size(); ++i) found[i].motion = motion(found[i].motion.duration(), &found[i - 1].state);
-  nodes_ = found;
+  }
+  nodes_ = std::move(found);
   dropped_.clear();
   arrival_ = anywhere;
   solve();
@@ -176,9 +185,9 @@ Motion RobustTracker::motion(double T, const Motion2* from) const {
   return motion;
 }
 
-Gaussian<4> RobustTracker::nothing_known(const Vector<2>& p) const {
+Prior<Motion2> RobustTracker::nothing_known(const Vector<2>& p) const {
   const double v = options_.speed;
-  return {Vector<4>(p[0], 0, p[1], 0), Vector<4>(kAnywhere, v, kAnywhere, v).cwiseAbs2().asDiagonal()};
+  return Prior<Motion2>::from_sigmas(Motion2(p[0], 0.0, p[1], 0.0), Vector<4>(kAnywhere, v, kAnywhere, v));
 }
 
 Motion2 RobustTracker::state() const { return smoothed(0); }

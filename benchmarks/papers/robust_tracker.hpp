@@ -4,8 +4,8 @@
 //
 // Motion between two measured states, T apart, is white acceleration across and along the way the target goes, of the densities turn · v²
 // and along · v² [m²/s³] at its speed v: what a vehicle does that steers and hardly changes speed. One setting fits slow and fast targets.
-// Arrival cost: a state that leaves the window is marginalised with the weights ρ' that its measurements have then. Exact for a chain:
-// marginalising the first state is a Kalman step.
+// Arrival cost: a state that leaves the window is marginalised (solvers/marginalize.hpp) with the weights ρ' that its measurements have
+// then.
 // A redescending loss with an arrival cost can lock onto outliers and reject all that comes after. So the tracker counts: where more than
 // half of the latest measurements are rejected (beyond 3.5 sigmas), its inliers no longer explain the data. It says so (reacquisitions()),
 // drops the arrival cost and solves the latest `memory` measured states from nothing by graduated non-convexity (gnc.hpp); whichever costs
@@ -27,7 +27,7 @@ struct TrackerOptions {
   std::size_t memory = 60;            ///< measured states, of a re-acquisition
   std::size_t recent = 8;             ///< measurements that are counted
   std::string backend = "irls";
-  double cost_tolerance = 1e-6;
+  double cost_tolerance = 0;  ///< of a solve: to the last digit, so that every back-end gives the same numbers
 };
 
 class RobustTracker {
@@ -62,9 +62,11 @@ class RobustTracker {
   void drop_first();
   bool explains_the_data() const;
   void acquire();
+  std::vector<ChainNode> remembered() const;
+  void go_on_from(std::vector<ChainNode> found, const Prior<Motion2>& anywhere);
   bool is_rejected(const ChainNode& node, std::size_t camera) const;
   WhiteAcceleration<Motion2> motion(double T, const Motion2* from) const;
-  Gaussian<4> nothing_known(const Vector<2>& p) const;
+  Prior<Motion2> nothing_known(const Vector<2>& p) const;
 
   const double dt_;
   const TrackerOptions options_;
@@ -73,7 +75,7 @@ class RobustTracker {
   std::unique_ptr<Backend> backend_;
   std::vector<ChainNode> nodes_;   ///< of the window
   std::deque<ChainNode> dropped_;  ///< that have left it, for a re-acquisition
-  Gaussian<4> arrival_;
+  Prior<Motion2> arrival_;
   int step_ = -1;
   int measured_ = 0;
   int next_acquisition_ = 0;  ///< not before so many measured states

@@ -82,6 +82,12 @@ TEST(MinimizeAlong, ComesBackFromFarOutInAFewSteps) {
   EXPECT_LE(evaluations, 8);
 }
 
+// Next to the minimum the value has no more digits (here it is even a bit higher there); the slope has.
+TEST(MinimizeAlong, BelievesTheSlopeWhereValuesDifferByRoundingOnly) {
+  const auto parabola = [](double a) { return Phi{1000 + 1e-13 * a, 1e-9 * (a - 1), 1e-9}; };
+  EXPECT_NEAR(minimize_along(parabola(0), 0.3, parabola), 1, 0.3);
+}
+
 TEST(MinimizeAlong, NeverGoesUp) {
   for (const Loss& loss : every_loss(3)) {
     Line line(loss);
