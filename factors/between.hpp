@@ -11,7 +11,8 @@
 #include <holdfast/factors/body_frame.hpp>
 #include <holdfast/factors/vector_space.hpp>
 #include <holdfast/factors/whitening.hpp>
-#include <holdfast/graph/factor.hpp>
+#include <holdfast/graph/batch.hpp>
+#include <holdfast/graph/variables.hpp>
 
 namespace holdfast {
 
@@ -101,5 +102,9 @@ struct Between {
     return sqrt_information * error;
   }
 };
+
+// Compiled into the library (factors/compiled.cpp), not anew by whoever adds them to a graph.
+extern template class Batch<Between<Pose2>>;
+extern template class Batch<Between<Pose3>>;
 
 }  // namespace holdfast

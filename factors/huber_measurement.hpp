@@ -11,8 +11,9 @@
 #include <holdfast/factors/rules.hpp>
 #include <holdfast/factors/vector_space.hpp>
 #include <holdfast/factors/whitening.hpp>
-#include <holdfast/graph/factor.hpp>
+#include <holdfast/graph/batch.hpp>
 #include <holdfast/graph/loss.hpp>
+#include <holdfast/graph/variables.hpp>
 
 namespace holdfast {
 
@@ -106,5 +107,8 @@ struct HuberMeasurementEdge {
     require_positive_number("HuberMeasurementEdge.weight", weight, detail::kWeightCure);
   }
 };
+
+// Compiled into the library (factors/compiled.cpp), not anew by whoever adds them to a graph.
+extern template class Batch<HuberMeasurement<Motion2>>;
 
 }  // namespace holdfast

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <holdfast/factors/displacement.hpp>
+#include <holdfast/graph/batch.hpp>
 #include <holdfast/graph/require.hpp>
+#include <holdfast/graph/variables.hpp>
 
 namespace holdfast {
 
@@ -26,5 +28,8 @@ struct PositionStep {
   Vector<residual_dim> raw(const Vector<residual_dim>& r) const { return beta * r; }  ///< [m]
   void validate() const { require_positive("PositionStep.beta", beta); }
 };
+
+// Compiled into the library (factors/compiled.cpp), not anew by whoever adds them to a graph.
+extern template class Batch<PositionStep<Point2, Point2>>;
 
 }  // namespace holdfast

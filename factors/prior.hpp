@@ -6,7 +6,8 @@
 
 #include <holdfast/factors/vector_space.hpp>
 #include <holdfast/factors/whitening.hpp>
-#include <holdfast/graph/factor.hpp>
+#include <holdfast/graph/batch.hpp>
+#include <holdfast/graph/variables.hpp>
 
 namespace holdfast {
 
@@ -46,5 +47,14 @@ struct Prior {
     require_finite("Prior.sqrt_information", sqrt_information);
   }
 };
+
+// Compiled into the library (factors/compiled.cpp), not anew by whoever adds them to a graph.
+extern template class Batch<Prior<Point2>>;
+extern template class Batch<Prior<Point3>>;
+extern template class Batch<Prior<Pose2>>;
+extern template class Batch<Prior<Pose3>>;
+extern template class Batch<Prior<Motion2>>;
+extern template class Batch<Prior<Motion3>>;
+extern template class Batch<Prior<Accel3>>;
 
 }  // namespace holdfast

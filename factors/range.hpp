@@ -5,6 +5,8 @@
 #pragma once
 
 #include <holdfast/factors/range_ball.hpp>
+#include <holdfast/graph/batch.hpp>
+#include <holdfast/graph/variables.hpp>
 
 namespace holdfast {
 
@@ -31,5 +33,10 @@ struct Range {
     require_positive("Range.sigma", sigma);
   }
 };
+
+// Compiled into the library (factors/compiled.cpp), not anew by whoever adds them to a graph.
+extern template class Batch<Range<Point2, Point2>>;
+extern template class Batch<Range<Pose2, Point2>>;
+extern template class Batch<Range<Pose3, Point3>>;
 
 }  // namespace holdfast

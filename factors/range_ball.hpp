@@ -7,7 +7,9 @@
 #pragma once
 
 #include <holdfast/factors/displacement.hpp>
+#include <holdfast/graph/batch.hpp>
 #include <holdfast/graph/require.hpp>
+#include <holdfast/graph/variables.hpp>
 
 namespace holdfast {
 
@@ -42,5 +44,11 @@ struct RangeBall {
     require_positive("RangeBall.sigma", sigma);
   }
 };
+
+// Compiled into the library (factors/compiled.cpp), not anew by whoever adds them to a graph.
+extern template class Batch<RangeBall<Point2, Point2>>;
+extern template class Batch<RangeBall<Point3, Point3>>;
+extern template class Batch<RangeBall<Pose2, Point2>>;
+extern template class Batch<RangeBall<Pose3, Point3>>;
 
 }  // namespace holdfast

@@ -7,6 +7,8 @@
 #include <holdfast/factors/body_frame.hpp>
 #include <holdfast/factors/displacement.hpp>
 #include <holdfast/factors/whitening.hpp>
+#include <holdfast/graph/batch.hpp>
+#include <holdfast/graph/variables.hpp>
 
 namespace holdfast {
 
@@ -47,5 +49,9 @@ struct RelativePoint {
     require_finite("RelativePoint.sqrt_information", sqrt_information);
   }
 };
+
+// Compiled into the library (factors/compiled.cpp), not anew by whoever adds them to a graph.
+extern template class Batch<RelativePoint<Pose2, Point2>>;
+extern template class Batch<RelativePoint<Pose3, Point3>>;
 
 }  // namespace holdfast

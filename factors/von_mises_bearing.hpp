@@ -12,6 +12,8 @@
 #include <holdfast/factors/body_frame.hpp>
 #include <holdfast/factors/displacement.hpp>
 #include <holdfast/factors/rules.hpp>
+#include <holdfast/graph/batch.hpp>
+#include <holdfast/graph/variables.hpp>
 
 namespace holdfast {
 
@@ -84,5 +86,9 @@ struct VonMisesBearingBody {
     require_concentration("VonMisesBearingBody.kappa", kappa);
   }
 };
+
+// Compiled into the library (factors/compiled.cpp), not anew by whoever adds them to a graph.
+extern template class Batch<VonMisesBearingBody<Pose2, Point2>>;
+extern template class Batch<VonMisesBearingBody<Pose3, Point3>>;
 
 }  // namespace holdfast

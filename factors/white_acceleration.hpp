@@ -12,6 +12,8 @@
 #include <holdfast/factors/rules.hpp>
 #include <holdfast/factors/transition.hpp>
 #include <holdfast/factors/whitening.hpp>
+#include <holdfast/graph/batch.hpp>
+#include <holdfast/graph/variables.hpp>
 
 namespace holdfast {
 
@@ -117,5 +119,8 @@ struct CovarianceRecursion {
     return factor;
   }
 };
+
+// Compiled into the library (factors/compiled.cpp), not anew by whoever adds them to a graph.
+extern template class Batch<WhiteAcceleration<Motion2>>;
 
 }  // namespace holdfast

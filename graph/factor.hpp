@@ -21,6 +21,7 @@
 //   const Pose2& relative_pose() const;                     // the second variable in the frame of the first, as measured; its noise in a
 //                                                           // member sqrt_information (chordal_start)
 //   auto merged(int m) const;                               // one factor for m empty steps (Window)
+//   Residual raw(const Residual& r) const;                  // the residual r in the measurement's own units (outlier_report)
 #pragma once
 
 #include <array>

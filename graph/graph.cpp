@@ -95,6 +95,9 @@ const Graph::Place& Graph::checked(FactorId id) const {
 }
 
 FactorId Graph::id_of(int batch, int index) const {
+  require_batch(batch);
+  if (index < 0 || index >= batches_[batch]->size())
+    fail<BadKey>("factor ", index, " of batch ", batch, ": the batch holds ", batches_[batch]->size(), "; ask batches()[", batch, "]->size()");
   const int number = batches_[batch]->ids_[index];
   return {number, places_[number].generation};
 }
@@ -123,7 +126,13 @@ void Graph::set_weight(FactorId id, double weight) {
   batches_[place.batch]->weights_[place.index] = weight;
 }
 
+void Graph::require_batch(int batch) const {
+  if (batch < 0 || batch >= static_cast<int>(batches_.size()))
+    fail<BadKey>("batch ", batch, " is not in the graph: it has ", batches_.size(), "; ask batches() or place(id)");
+}
+
 void Graph::set_loss(int batch, const Loss& loss) {
+  require_batch(batch);
   loss.validate(batches_[batch]->residual_dim());
   if (batches_[batch]->factor_type() == typeid(LinearPrior) && loss.kind != Loss::Kind::Squared)
     fail<BadOption>("LinearPrior: its loss is squared, since its terms were weighed when it was made; ", loss.str(), " cannot be laid on them");

@@ -74,7 +74,7 @@ class Graph {
 
   /// Changes the weight of a factor; the structure stays. Throws BadKey, BadNumber.
   void set_weight(FactorId id, double weight);
-  /// Changes the loss of a whole batch; the structure stays. Throws BadNumber, BadOption.
+  /// Changes the loss of a whole batch; the structure stays. Throws BadKey, BadNumber, BadOption.
   void set_loss(int batch, const Loss& loss);
 
   /// A fixed variable is a constant of the problem.
@@ -101,7 +101,7 @@ class Graph {
     unsigned generation = 0;
   };
   const Place& place(FactorId id) const { return checked(id); }
-  FactorId id_of(int batch, int index) const;
+  FactorId id_of(int batch, int index) const;  ///< throws BadKey where there is no such batch or factor
 
   /// The graph with every factor that has a convex counterpart (factor.hpp, relaxed()) replaced by it, and every loss that is not convex by
   /// Huber; FactorIds stay valid.
@@ -135,6 +135,7 @@ class Graph {
   [[noreturn]] void rethrow_named(const std::string& name, const Key* keys, std::size_t count, const BadNumber& error) const;
   FactorId enter(FactorBatch& batch, const Key* keys, double weight);
   const Place& checked(FactorId id) const;
+  void require_batch(int batch) const;
 
   std::vector<std::unique_ptr<FactorBatch>> batches_;
   std::vector<Place> places_;  ///< by FactorId::number

@@ -27,7 +27,7 @@ struct Loss {
   enum class Kind { Squared, Absolute, Huber, PseudoHuber, Cauchy, GemanMcClure, Welsch, Tukey, TruncatedSquares, StudentT };
 
   Kind kind = Kind::Squared;
-  double scale = 1;            ///< the threshold [sigmas]; ν for StudentT; the smoothing width for Absolute
+  double scale = 1;            ///< the threshold [sigmas]; ν for StudentT; the smoothing width for Absolute; within 1e-100 … 1e100
   bool per_component = false;  ///< each component of the residual is a block of its own
   bool one_sided = false;      ///< squared where r > 0; needs per_component or a residual of one component
 

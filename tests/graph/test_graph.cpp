@@ -152,6 +152,11 @@ TEST(Graph, IdOfIsTheInverseOfPlace) {
   const Graph::Place& place = graph.place(second);
   EXPECT_EQ(place.index, 0);
   EXPECT_EQ(graph.id_of(place.batch, place.index).number, second.number);
+  for (const int index : {-1, 1}) EXPECT_THROW(graph.id_of(place.batch, index), BadKey);
+  for (const int batch : {-1, 1}) {
+    EXPECT_THROW(graph.id_of(batch, 0), BadKey);
+    EXPECT_THROW(graph.set_loss(batch, Huber{2}), BadKey);
+  }
 }
 
 TEST(Graph, CopyIsIndependentAndIdsStayValidInIt) {

@@ -1,0 +1,38 @@
+// The batches of the usual factors (extern template at the end of their headers): compiled once here, for all programs.
+#include <holdfast/factors/between.hpp>
+#include <holdfast/factors/huber_measurement.hpp>
+#include <holdfast/factors/position_step.hpp>
+#include <holdfast/factors/prior.hpp>
+#include <holdfast/factors/range.hpp>
+#include <holdfast/factors/range_ball.hpp>
+#include <holdfast/factors/relative_point.hpp>
+#include <holdfast/factors/von_mises_bearing.hpp>
+#include <holdfast/factors/white_acceleration.hpp>
+
+namespace holdfast {
+
+template class Batch<Between<Pose2>>;
+template class Batch<Between<Pose3>>;
+template class Batch<HuberMeasurement<Motion2>>;
+template class Batch<PositionStep<Point2, Point2>>;
+template class Batch<Prior<Point2>>;
+template class Batch<Prior<Point3>>;
+template class Batch<Prior<Pose2>>;
+template class Batch<Prior<Pose3>>;
+template class Batch<Prior<Motion2>>;
+template class Batch<Prior<Motion3>>;
+template class Batch<Prior<Accel3>>;
+template class Batch<Range<Point2, Point2>>;
+template class Batch<Range<Pose2, Point2>>;
+template class Batch<Range<Pose3, Point3>>;
+template class Batch<RangeBall<Point2, Point2>>;
+template class Batch<RangeBall<Point3, Point3>>;
+template class Batch<RangeBall<Pose2, Point2>>;
+template class Batch<RangeBall<Pose3, Point3>>;
+template class Batch<RelativePoint<Pose2, Point2>>;
+template class Batch<RelativePoint<Pose3, Point3>>;
+template class Batch<VonMisesBearingBody<Pose2, Point2>>;
+template class Batch<VonMisesBearingBody<Pose3, Point3>>;
+template class Batch<WhiteAcceleration<Motion2>>;
+
+}  // namespace holdfast
