@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <holdfast/benchmarks/cli.hpp>
+#include <holdfast/benchmarks/pyfg_lines.hpp>
 #include <holdfast/benchmarks/track.hpp>
 #include <holdfast/graph/io_text.hpp>
 #include <holdfast/graph/io_tum.hpp>

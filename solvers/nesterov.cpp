@@ -22,6 +22,8 @@ struct Nesterov::Workspace {
   ThreadPool pool;
   Values x, y, next;
   std::vector<double> gradient, direction, step, move;
+  double t = 1, L = 1;
+  bool plain = true;  ///< y = x: a step without momentum
 
   Workspace(const Graph& graph, const Values& values, int threads)
       : resolved(graph, values), evaluate(graph), preconditioner(graph, resolved), pool(threads), x(values), y(values), next(values) {
@@ -29,7 +31,7 @@ struct Nesterov::Workspace {
   }
 
   /// next = y ⊕ −(1/L) direction, L raised until f(next) ≤ f(y) − ‖g‖²/2L; returns f(next), or NaN where no L does.
-  double backtrack(const Graph& graph, double cost_y, double norm2, double& L) {
+  double backtrack(const Graph& graph, double cost_y, double norm2) {
     for (; L < kMostLipschitz; L *= 2) {
       for (std::size_t i = 0; i < step.size(); ++i) step[i] = -direction[i] / L;
       resolved.retract(y, step.data(), next);
@@ -51,6 +53,24 @@ struct Nesterov::Workspace {
     resolved.retract(x, move.data(), y);
     return uphill;
   }
+
+  /// Once more from x, without momentum.
+  void restart() {
+    y.assign(x);
+    t = L = 1;
+    plain = true;
+  }
+
+  /// x = next, and y ahead of it by Nesterov's t; no momentum that points uphill, none in a metric that has just changed.
+  void accept() {
+    const double t_next = (1 + std::sqrt(1 + 4 * t * t)) / 2;
+    const bool uphill = extrapolate((t - 1) / t_next) > 0;
+    plain = t == 1 || uphill;
+    if (uphill) y.assign(x);
+    t = uphill ? 1 : t_next;
+    if (L > kSteep && preconditioner.round_off()) restart();
+    L *= 0.98;  // what the last bound no longer needs
+  }
 };
 
 Nesterov::Nesterov(Options chosen) : Backend(std::move(chosen)) {}
@@ -67,39 +87,26 @@ Summary Nesterov::minimize(const Graph& graph, Values& values) {
   progress.watch.lap(summary.seconds_setup);
 
   w.evaluate(graph, w.resolved, w.x, w.gradient, &w.pool);
-  double t = 1, L = 1, gradient_norm = max_norm(w.gradient), patience_cost = summary.cost;
-  bool plain = true;  // y = x: a step without momentum
+  double gradient_norm = max_norm(w.gradient), patience_cost = summary.cost;
   while (progress.go_on(gradient_norm)) {
     const double cost_y = w.evaluate(graph, w.resolved, w.y, w.gradient, &w.pool);
     gradient_norm = max_norm(w.gradient);
-    if (plain && progress.gradient_is_flat(gradient_norm)) break;
+    if (w.plain && progress.gradient_is_flat(gradient_norm)) break;
     const double norm2 = w.preconditioner.apply(w.resolved, w.gradient, w.direction);
     ++summary.iterations;
-    const double cost = std::isfinite(cost_y) && std::isfinite(norm2) ? w.backtrack(graph, cost_y, norm2, L) : NAN;
+    const double cost = std::isfinite(cost_y) && std::isfinite(norm2) ? w.backtrack(graph, cost_y, norm2) : NAN;
     if (!(cost < summary.cost)) {  // momentum went too far: once more from x, without it
-      if (plain) {
+      if (w.plain) {
         progress.end(Termination::converged, "no step, however short, lowers the cost");
         break;
       }
       w.preconditioner.update(graph, w.resolved, w.x, &w.pool);
-      if (L > kSteep) w.preconditioner.round_off();
-      w.y.assign(w.x);
-      t = L = 1;
-      plain = true;
+      if (w.L > kSteep) w.preconditioner.round_off();
+      w.restart();
       continue;
     }
-    const double t_next = (1 + std::sqrt(1 + 4 * t * t)) / 2;
-    const bool uphill = w.extrapolate((t - 1) / t_next) > 0;
+    w.accept();
     summary.cost = cost;
-    plain = t == 1 || uphill;
-    if (uphill) w.y.assign(w.x);
-    t = uphill ? 1 : t_next;
-    if (L > kSteep && w.preconditioner.round_off()) {
-      w.y.assign(w.x);
-      t = L = 1;
-      plain = true;
-    }
-    L *= 0.98;  // what the last bound no longer needs
     if (summary.iterations % kPatience == 0) {
       if (norm2 / 2 <= options.cost_tolerance * summary.cost && progress.decrease_is_small(patience_cost, summary.cost)) break;
       patience_cost = summary.cost;
