@@ -67,7 +67,7 @@ install(FILES package.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/holdfast)
 # cpack -G DEB: one development package.
 set(CPACK_PACKAGE_NAME libholdfast-dev)
 set(CPACK_PACKAGE_VENDOR holdfast)
-set(CPACK_PACKAGE_CONTACT "the holdfast developers <holdfast@localhost>")
+set(CPACK_PACKAGE_CONTACT "the holdfast developers <holdfast@example.org>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
 set(CPACK_GENERATOR DEB)
