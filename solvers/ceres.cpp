@@ -2,16 +2,14 @@
 #include <glog/logging.h>
 
 #include <cmath>
-#include <holdfast/graph/gradient.hpp>
 #include <holdfast/solvers/ceres.hpp>
 #include <holdfast/solvers/ceres_loss.hpp>
 #include <holdfast/solvers/fold.hpp>
-#include <holdfast/solvers/minimizer.hpp>
+#include <holdfast/solvers/foreign_backend.hpp>
 
 namespace holdfast {
 namespace {
 
-constexpr int kMaxIterations = 1000;
 constexpr int kDenseUnknowns = 30;
 
 // A variable's memory is its ambient coordinates. Jacobians come with respect to the tangent, so the manifold pretends that the
@@ -106,13 +104,12 @@ class QuietLog {
   int before_;
 };
 
-class CeresBackend final : public Backend {
+class CeresBackend final : public ForeignBackend {
  public:
-  CeresBackend(const CeresVariant& variant, const Options& chosen) : Backend(chosen), variant_(variant) {}
-  std::string name() const override { return variant_.name; }
+  CeresBackend(const CeresVariant& variant, const Options& chosen) : ForeignBackend(variant.name, chosen), variant_(variant) {}
 
  protected:
-  Summary minimize(const Graph& graph, Values& values) override;
+  void optimize(const Graph& graph, const Resolved& resolved, Values& x, Progress& progress) override;
 
  private:
   ceres::Solver::Options solver_options(const Resolved& resolved) const;
@@ -157,7 +154,7 @@ ceres::Solver::Options CeresBackend::solver_options(const Resolved& resolved) co
   o.logging_type = ceres::SILENT;
   o.linear_solver_type = resolved.tangent_dim() <= kDenseUnknowns ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
   o.num_threads = options.threads;
-  o.max_num_iterations = options.max_iterations > 0 ? options.max_iterations : kMaxIterations;
+  o.max_num_iterations = iteration_limit();
   o.function_tolerance = options.cost_tolerance;
   o.gradient_tolerance = options.gradient_tolerance;
   o.parameter_tolerance = 1e-15;  // the rules are ours: cost and gradient
@@ -188,20 +185,13 @@ void read_outcome(const ceres::Solver::Summary& outcome, Progress& progress) {
   }
 }
 
-Summary CeresBackend::minimize(const Graph& graph, Values& values) {
-  Progress progress(options, kMaxIterations);
-  Summary& summary = progress.summary;
-  const Resolved resolved(graph, values);
-  if (resolved.tangent_dim() == 0) fail<BadProblem>("every variable that a factor touches is fixed; there is nothing to solve for");
-  if (!progress.begin(resolved.cost(graph, values), graph, resolved, values)) return summary;
-
-  Values x = values;
+void CeresBackend::optimize(const Graph& graph, const Resolved& resolved, Values& x, Progress& progress) {
   ceres::Problem problem;
   build(graph, resolved, x, problem);
   ceres::Solver::Options solver = solver_options(resolved);
   Callback callback(progress);
   solver.callbacks.push_back(&callback);
-  progress.watch.lap(summary.seconds_setup);
+  progress.watch.lap(progress.summary.seconds_setup);
 
   ceres::Solver::Summary outcome;
   {
@@ -209,17 +199,6 @@ Summary CeresBackend::minimize(const Graph& graph, Values& values) {
     ceres::Solve(solver, &problem, &outcome);
   }
   read_outcome(outcome, progress);
-  if (!outcome.IsSolutionUsable()) {
-    summary.cost = summary.cost_first;
-    return summary;
-  }
-  summary.cost = resolved.cost(graph, x);
-  std::vector<double> gradient;  // Ceres measures its own in ambient coordinates
-  GradientEvaluator evaluate(graph);
-  evaluate(graph, resolved, x, gradient);
-  summary.gradient_norm = max_norm(gradient);
-  values.assign(x);
-  return summary;
 }
 
 }  // namespace
