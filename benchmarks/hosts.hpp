@@ -3,7 +3,7 @@
 
 namespace holdfast::bench {
 
-/// Enters "gtsam", "gtsam-gn", "g2o" and "g2o-lm".
+/// Enters "gtsam-lm", "gtsam-gn", "g2o" and "g2o-lm".
 void register_hosts();
 
 }  // namespace holdfast::bench

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <holdfast/adapters/host_term.hpp>
+
 #include "../problems.hpp"
 #include "draws.hpp"
 
@@ -16,6 +18,15 @@ struct HostAnswer {
 /// Makes the host's problem of one factor, once, and then evaluates it at any values.
 using HostEvaluator = std::function<HostAnswer(const Values&)>;
 using MakeHostEvaluator = std::function<HostEvaluator(const HostDraw&, const Loss&, double weight)>;
+
+/// A host's gradient with respect to its own tangent, appended in ours: g_theirs = Dᵀ g_ours.
+inline void append_in_our_tangent(const holdfast::detail::HostSlot& slot, const double* x, const Eigen::VectorXd& theirs,
+                                  std::vector<double>& gradient) {
+  Eigen::MatrixXd D(slot.dim, slot.dim);
+  slot.tangent(x, D.data());
+  const Eigen::VectorXd ours = D.transpose().partialPivLu().solve(theirs);
+  gradient.insert(gradient.end(), ours.data(), ours.data() + ours.size());
+}
 
 inline HostAnswer holdfast_answer(const HostDraw& draw, const Graph& graph, const Values& values) {
   const Gradient all = gradient(graph, values);

@@ -1,7 +1,11 @@
 // Our factors as edges of g2o, and its optimizers as back-ends.
-#include <gmock/gmock.h>
+#include <g2o/core/block_solver.h>
+#include <g2o/core/optimization_algorithm_levenberg.h>
+#include <g2o/core/sparse_optimizer.h>
+#include <g2o/solvers/eigen/linear_solver_eigen.h>
 #include <gtest/gtest.h>
 
+#include <holdfast/adapters/g2o.hpp>
 #include <holdfast/adapters/g2o_backend.hpp>
 
 #include "../problems.hpp"
@@ -15,7 +19,7 @@ constexpr Agent A('A');
 template <class V>
 void expect_tangent() {
   std::mt19937_64 rng(1);
-  const auto* slot = holdfast::detail::g2o_slot<V>();
+  const auto* slot = holdfast::detail::the_slot<holdfast::detail::G2oSlotOf<V>>();
   for (int i = 0; i < 20; ++i) {
     V x = random_variable<V>(rng);
     for (int c = 0; c < V::dim; ++c) {
@@ -38,7 +42,8 @@ TEST(G2oVariable, TangentIsG2os) {
 
 TEST(G2oEdge, ATypedEdgeIsSolvedInAUsersOptimizer) {
   g2o::SparseOptimizer optimizer;
-  optimizer.setAlgorithm(new g2o::OptimizationAlgorithmLevenberg(holdfast::detail::g2o_solver<Eigen::Dynamic>()));
+  optimizer.setAlgorithm(new g2o::OptimizationAlgorithmLevenberg(
+      std::make_unique<g2o::BlockSolverX>(std::make_unique<g2o::LinearSolverEigen<g2o::BlockSolverX::PoseMatrixType>>())));
   auto* beacon = new g2o::VertexPointXY();
   beacon->setId(0);
   beacon->setEstimate({3, 1});

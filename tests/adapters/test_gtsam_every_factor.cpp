@@ -6,28 +6,22 @@
 namespace holdfast::testing {
 namespace {
 
+using holdfast::detail::GtsamSlot;
+using holdfast::detail::GtsamSlotOf;
+
 HostEvaluator in_gtsam(const HostDraw& draw, const Loss& loss, double weight) {
-  const Term term = draw.term(loss, weight);
-  std::vector<GtsamFactor::Variable> variables;
+  const auto term = holdfast::detail::host_term<GtsamSlot, GtsamSlotOf>(draw.term(loss, weight));
   gtsam::KeyVector keys;
-  for (std::size_t k = 0; k < draw.keys.size(); ++k) {
-    variables.push_back({holdfast::detail::gtsam_slot(term.batch().types()[k]), {}, {}});
-    keys.push_back(gtsam_key(draw.keys[k]));
-  }
-  const auto factor = std::make_shared<GtsamFactor>(term, variables, keys);
-  return [factor, variables, keys](const Values& values) {
+  for (const Key key : draw.keys) keys.push_back(gtsam_key(key));
+  const auto factor = std::make_shared<GtsamFactor>(term, keys);
+  return [factor, slots = term.slots, keys](const Values& values) {
     const gtsam::Values theirs = to_gtsam(values);
     HostAnswer answer{factor->error(theirs), {}};
-    const auto linear = factor->linearize(theirs);
-    const gtsam::VectorValues gradient = linear->gradientAtZero();
-    for (std::size_t k = 0; k < keys.size(); ++k) {  // g_theirs = Dᵀ g_ours
-      const int n = variables[k].slot->dim;
-      std::vector<double> x(variables[k].slot->ambient);
-      Eigen::MatrixXd D(n, n);
-      variables[k].slot->read(theirs, keys[k], x.data());
-      variables[k].slot->tangent(x.data(), D.data());
-      const Eigen::VectorXd ours = D.transpose().partialPivLu().solve(gradient.at(keys[k]));
-      answer.gradient.insert(answer.gradient.end(), ours.data(), ours.data() + n);
+    const gtsam::VectorValues gradient = factor->linearize(theirs)->gradientAtZero();
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+      std::vector<double> x(slots[k]->ambient);
+      slots[k]->read(theirs, keys[k], x.data());
+      append_in_our_tangent(*slots[k], x.data(), gradient.at(keys[k]), answer.gradient);
     }
     return answer;
   };

@@ -3,12 +3,13 @@
 #include <gtest/gtest.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
-#include <filesystem>
 #include <holdfast/adapters/mrpt_graph.hpp>
 #include <holdfast/graph/gradient.hpp>
 #include <holdfast/graph/io_files.hpp>
 #include <holdfast/solvers/backend.hpp>
 #include <holdfast/testing.hpp>
+
+#include "data_files.hpp"
 
 namespace holdfast::testing {
 namespace {
@@ -232,15 +233,6 @@ TEST(MrptNetwork, WhatItCannotHoldIsNamed) {
 
 // ---- files: what MRPT reads and what we read are the same graph
 
-std::vector<std::string> pose_graph_files() {
-  std::vector<std::string> files;
-  for (const char* folder : {HOLDFAST_SOURCE_DIR "/../shared/data/pose_graph", "/usr/share/mrpt/datasets"})
-    if (std::filesystem::is_directory(folder))
-      for (const auto& entry : std::filesystem::directory_iterator(folder))
-        if (entry.path().extension() == ".g2o" || entry.path().extension() == ".graph") files.push_back(entry.path().string());
-  return files;
-}
-
 template <class Network>
 void expect_round_trip(const Problem& problem) {
   const auto network = to_mrpt<Network>(problem.graph, problem.start);
@@ -256,7 +248,7 @@ void expect_round_trip(const Problem& problem) {
 
 TEST(MrptNetwork, EveryPoseGraphFileGoesThereAndBack) {
   int read_files = 0;
-  for (const std::string& file : pose_graph_files()) {
+  for (const std::string& file : data_files({".g2o", ".graph"})) {
     SCOPED_TRACE(file);
     const Problem problem = make_problem(read(file));
     const Key first = problem.start.keys().front();
@@ -266,7 +258,7 @@ TEST(MrptNetwork, EveryPoseGraphFileGoesThereAndBack) {
       expect_round_trip<CNetworkOfPoses3DInf>(problem);
     ++read_files;
   }
-  if (read_files == 0) GTEST_SKIP() << "there are neither ../shared/data/pose_graph nor mrpt-common's /usr/share/mrpt/datasets";
+  if (read_files == 0) GTEST_SKIP() << kNoFiles;
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <holdfast/adapters/dataset.hpp>
 #include <holdfast/adapters/to_dataset.hpp>
 #include <holdfast/factors/between.hpp>
@@ -11,22 +10,12 @@
 #include <holdfast/graph/io_files.hpp>
 #include <sstream>
 
+#include "data_files.hpp"
+
 namespace holdfast::testing {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::vector<std::string> every_file() {
-  std::vector<std::string> files;
-  const char* chosen = std::getenv("HOLDFAST_DATA");
-  const std::string data = chosen != nullptr ? chosen : HOLDFAST_SOURCE_DIR "/../shared/data";
-  for (const std::string& folder : {data, std::string("/usr/share/mrpt/datasets")})
-    if (std::filesystem::is_directory(folder))
-      for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-        for (const char* extension : {".g2o", ".pyfg", ".graph"})
-          if (entry.path().extension() == extension) files.push_back(entry.path().string());
-  return files;
-}
 
 std::string text_of(const Dataset& dataset) {
   switch (dataset.format) {
@@ -41,7 +30,7 @@ std::string text_of(const Dataset& dataset) {
 
 TEST(RoundTrip, AFileThroughAGraphIsTheSameFile) {
   int count = 0;
-  for (const std::string& file : every_file()) {
+  for (const std::string& file : data_files()) {
     SCOPED_TRACE(file);
     const Dataset dataset = read(file);
     const Problem problem = make_problem(dataset);
@@ -57,12 +46,12 @@ TEST(RoundTrip, AFileThroughAGraphIsTheSameFile) {
     EXPECT_EQ(again.graph.cost(again.start), problem.graph.cost(problem.start));
     ++count;
   }
-  if (count == 0) GTEST_SKIP() << "there are neither HOLDFAST_DATA, ../shared/data nor mrpt-common's data";
+  if (count == 0) GTEST_SKIP() << kNoFiles;
 }
 
 /// A graph alone, without the file it came from: the same cost to rounding, the same keys, edges and fixed variables.
 TEST(RoundTrip, AGraphWithoutItsFileComesBackToRounding) {
-  for (const std::string& file : every_file()) {
+  for (const std::string& file : data_files()) {
     SCOPED_TRACE(file);
     const Dataset dataset = read(file);
     const Problem problem = make_problem(dataset);
