@@ -155,6 +155,10 @@ bool Irls::step_nonlinear(const Graph& graph, Progress& progress, double gradien
       return true;
     }
     if (full && step.predicted <= std::max(kRounding, 1e-2 * options.cost_tolerance) * summary.cost) {
+      if (cost <= (1 + kRounding) * summary.cost) {  // costs no longer differ, and the model still knows where the minimum is
+        std::swap(w.best, w.candidate);
+        return true;
+      }
       progress.end(Termination::converged, "the model predicts no decrease beyond cost_tolerance");
       return false;
     }

@@ -6,16 +6,7 @@ namespace {
 
 using Motion = WhiteAcceleration<Motion2>;
 
-constexpr int kPolish = 5;      // Newton's steps: from where other back-ends stop one or two are enough
-constexpr double kFlat = 1e-9;  // of the gradient, whitened
-
 }  // namespace
-
-Chain::Chain(const std::vector<Camera>& cameras, ChainLosses losses) : cameras_(cameras), losses_(std::move(losses)) {
-  newton_.options.reweighting = Reweighting::newton;
-  newton_.options.cost_tolerance = 0;
-  newton_.options.gradient_tolerance = kFlat;
-}
 
 Chain::Measurement Chain::seen(const Camera& camera, const Vector<2>& z) const {
   return Measurement::of_position(-z, Vector<2>::Zero(), camera.Q, camera.weight);
@@ -53,10 +44,7 @@ void Chain::set(const std::vector<ChainNode>& nodes, const std::optional<Prior<M
 
 Summary Chain::solve(Backend& backend, std::vector<ChainNode>& nodes) {
   Summary summary = backend.solve(graph_, values_);
-  // A solve of irls ends with the first step that lowers the cost no more: each is one step here.
-  double gradient_norm = summary.gradient_norm;
-  for (int i = 0; i < kPolish && summary.usable() && gradient_norm > kFlat; ++i)
-    gradient_norm = newton_.solve(graph_, values_).gradient_norm;
+  polish_(graph_, values_, summary);
   for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i].state = values_.at<Motion2>(key(i));
   return summary;
 }

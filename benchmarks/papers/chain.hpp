@@ -3,10 +3,10 @@
 #pragma once
 
 #include <holdfast/benchmarks/papers/kalman.hpp>
+#include <holdfast/benchmarks/papers/polish.hpp>
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
-#include <holdfast/solvers/irls.hpp>
 #include <holdfast/solvers/marginalize.hpp>
 #include <optional>
 #include <vector>
@@ -31,13 +31,11 @@ class Chain {
     Matrix<2, 2> Q;
     double weight = 1;
   };
-  Chain(const std::vector<Camera>& cameras, ChainLosses losses);
+  Chain(const std::vector<Camera>& cameras, ChainLosses losses) : cameras_(cameras), losses_(std::move(losses)) {}
 
   /// Puts these nodes and the arrival cost into graph() and values(). To a loss by component the root of the arrival matters.
   void set(const std::vector<ChainNode>& nodes, const std::optional<Prior<Motion2>>& arrival);
-  /// Solves and writes the answer into the nodes, those of set(). A back-end that compares costs stops where costs have no more digits, √ε
-  /// before the minimum; Ceres, which leaves out ρ'' and so creeps under Huber, micrometres before it. Newton's steps on the gradient go
-  /// the rest of the way, so that every back-end ends in the same digits.
+  /// Solves, polishes (polish.hpp), and writes the answer into the nodes, those of set().
   Summary solve(Backend& backend, std::vector<ChainNode>& nodes);
   /// What is left when the first node leaves: solvers/marginalize.hpp, measurements at their weights at its state. An arrival cost of the
   /// second, exact for a chain: it is what a Kalman step makes of it.
@@ -62,7 +60,7 @@ class Chain {
   std::vector<std::vector<FactorId>> measurements_;
   std::vector<FactorId> motions_;
   std::optional<FactorId> arrival_;
-  Irls newton_;
+  Polish polish_;
   Marginalizer marginalizer_;
 };
 

@@ -1,4 +1,5 @@
 #include <holdfast/benchmarks/papers/missing_map.hpp>
+#include <holdfast/benchmarks/papers/polish.hpp>
 #include <holdfast/factors/position_step.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/solvers/backend.hpp>
@@ -23,6 +24,7 @@ void solve_to_the_end(const Graph& graph, Values& values, const std::string& bac
   Options options;
   options.cost_tolerance = kTolerance;
   const Summary summary = make_backend(backend, options)->solve(graph, values);
+  Polish()(graph, values, summary);
   if (!summary.usable()) fail<BadProblem>("paper C's estimator under ", backend, ": ", summary.why());
 }
 

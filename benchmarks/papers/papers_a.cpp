@@ -261,7 +261,7 @@ Json tracks(unsigned seed) {
   }
   RobustTracker tracker = tracker_of(seen, {});
   return {{"measurements", track_of(received, 5)},
-          {"paper's robust estimator", track_of(windowed_a(seen, {robust_losses()}), 5)},
+          {"paper's estimator", track_of(windowed_a(seen, {robust_losses()}), 5)},
           {"OURS", track_of(track(tracker, seen).now, 5)},
           {"truth", track_of(truth, 5)}};
 }
