@@ -164,9 +164,11 @@ std::vector<Contender<Case>> contenders(bool mixture) {
     for (int i = 0; i < 3; ++i) all.push_back(contender(rival, i, !mixture));
   all.push_back({{{"ours, constant velocity"}}, [](const Case& one) { return tracked(one.flight, straight()); }});
   all.push_back({{{"OURS, turning"}, {"OURS, turning, 2 s lag"}}, [](const Case& one) { return tracked(one.flight, {}); }});
+  FlightTrackerOptions lag_0_alone;
+  lag_0_alone.looks_back = false;
   if (mixture)
     all.push_back({{{"floor: OURS, Gaussian noise alone"}},
-                   [](const Case& one) { return std::vector{tracked(gaussian(one.flight.options, one.seed), {}).front()}; }});
+                   [lag_0_alone](const Case& one) { return tracked(gaussian(one.flight.options, one.seed), lag_0_alone); }});
   return all;
 }
 
