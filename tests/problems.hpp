@@ -161,9 +161,9 @@ inline bool same_bits(Values a, Values b) {
 /// Every free variable moved by normal noise in its tangent.
 inline Values perturbed(const Graph& graph, const Values& values, double sigma, std::mt19937_64& rng) {
   const Resolved resolved(graph, values);
-  std::normal_distribution<double> normal(0, sigma);
+  std::normal_distribution<double> normal;
   std::vector<double> delta(resolved.tangent_dim());
-  for (double& d : delta) d = normal(rng);
+  for (double& d : delta) d = sigma * normal(rng);
   Values moved = values;
   resolved.retract(values, delta.data(), moved);
   return moved;

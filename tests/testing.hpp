@@ -13,9 +13,9 @@ namespace holdfast::testing {
 /// Independent normal components.
 template <int N>
 Vector<N> random_vector(std::mt19937_64& rng, double sigma = 1) {
-  std::normal_distribution<double> normal(0, sigma);
+  std::normal_distribution<double> normal;  // which must not be given a sigma of 0
   Vector<N> v;
-  for (int i = 0; i < N; ++i) v[i] = normal(rng);
+  for (int i = 0; i < N; ++i) v[i] = sigma * normal(rng);
   return v;
 }
 

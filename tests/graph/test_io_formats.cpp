@@ -170,7 +170,7 @@ TEST(Noise, SurvivesEveryConversion) {
     EXPECT_EQ(noise.format, format);
     EXPECT_LT((noise.information(edge.measured) - edge.information()).norm(), 1e-11 * edge.information().norm());
   }
-  const auto& covariance = std::get<RelativePoseEdge<Pose2>>(parsed(kPyfg, Format::PyFG).edges[0].measurement);
+  const auto covariance = std::get<RelativePoseEdge<Pose2>>(parsed(kPyfg, Format::PyFG).edges[0].measurement);
   EXPECT_LT((covariance.information() * covariance.noise.written - Matrix<3, 3>::Identity()).norm(), 1e-12);
 }
 
