@@ -92,7 +92,12 @@ TEST(Speed, HundredThousandEdges) {
   EXPECT_EQ(parsed(text, Format::G2o).edges.size(), 100000u);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   RecordProperty("seconds", std::to_string(seconds));
-  EXPECT_LT(seconds, 60);  // well under 1 s optimised on a free machine: a guard against the quadratic, not a benchmark
+#ifdef __SANITIZE_ADDRESS__
+  constexpr double kMost = 60;
+#else
+  constexpr double kMost = 10;
+#endif
+  EXPECT_LT(seconds, kMost);  // well under 1 s optimised on a free machine: a guard against the quadratic, not a benchmark
 }
 
 }  // namespace
