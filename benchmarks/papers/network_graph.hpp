@@ -1,6 +1,7 @@
 // A network's packets as factors, and how an estimate of its nodes is scored.
 #pragma once
 
+#include <algorithm>
 #include <holdfast/benchmarks/papers/network.hpp>
 #include <holdfast/factors/missing_distance.hpp>
 #include <holdfast/factors/range_bearing.hpp>
@@ -12,6 +13,15 @@ namespace holdfast::bench {
 /// positions[step][node].
 template <int S>
 using Tracks = std::vector<std::vector<Vector<S>>>;
+
+/// Of a position of the one to the same of the other, over all steps and nodes [m].
+template <int S>
+double largest_difference(const Tracks<S>& a, const Tracks<S>& b) {
+  double largest = 0;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    for (std::size_t i = 0; i < a[k].size(); ++i) largest = std::max(largest, (a[k][i] - b[k][i]).norm());
+  return largest;
+}
 
 /// What stands for a packet that was lost: nothing, or paper C's prior that the distance is about what it was one step before.
 enum class Missing { nothing, coupled };

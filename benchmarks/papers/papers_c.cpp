@@ -160,14 +160,6 @@ PaperTable loss_table(const std::string& what) {
 }
 
 template <int S>
-double largest_difference(const Tracks<S>& a, const Tracks<S>& b) {
-  double largest = 0;
-  for (std::size_t k = 0; k < a.size(); ++k)
-    for (std::size_t i = 0; i < a[k].size(); ++i) largest = std::max(largest, (a[k][i] - b[k][i]).norm());
-  return largest;
-}
-
-template <int S>
 double back_ends_apart(const NetworkOptions& options, unsigned seed, const MissingMap& form) {
   const Network<S> network = make_network<S>(options, seed);
   return largest_difference<S>(missing_map(network, form, "irls"), missing_map(network, form, "ceres"));

@@ -156,14 +156,6 @@ TEST(NetworkSmoother, LearnsHowMuchItsTargetsTurn) {
 
 #ifdef HOLDFAST_WITH_CERES
 template <int S>
-double largest_difference(const Tracks<S>& a, const Tracks<S>& b) {
-  double largest = 0;
-  for (std::size_t k = 0; k < a.size(); ++k)
-    for (std::size_t i = 0; i < a[k].size(); ++i) largest = std::max(largest, (a[k][i] - b[k][i]).norm());
-  return largest;
-}
-
-template <int S>
 void expect_the_same_from_ceres_and_irls(Course course) {
   const Network<S> network = make_network<S>(options_of(course, 0.5), 2);
   for (const Missing missing : {Missing::nothing, Missing::coupled}) {
