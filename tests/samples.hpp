@@ -1,4 +1,4 @@
-// Every factor × variable types of the library with random instances: what the conformance tests of all back-ends run over.
+// Every factor × variable types of the library with random instances: what draws.hpp, and the conformance tests with it, are made of.
 //
 //   for_each_type<AllFactors>([](auto tag) {
 //     using F = typename decltype(tag)::type;
@@ -58,6 +58,7 @@ using MissingFactors = Concat<OnPairs<MissingDistance>, OnPairs<MissingDistanceB
 using DirectionFactors = Concat<OnPairs<VonMisesBearing>, OnPoses<VonMisesBearingBody>, OnPoses<RelativePoint>, OnPairs<PositionStep>,
                                 OnSomePairs<RangeBearing>, OnSomePairs<BearingRay>>;
 using StateFactors = Concat<OnAll<Prior>, OnAll<Between>>;
+// Each of these lists has its draws (draws/).
 using AllFactors = Concat<LinearFactors, RangeFactors, MissingFactors, DirectionFactors, StateFactors>;
 
 /// Each factor once, for tests that cost much a type.

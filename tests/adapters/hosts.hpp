@@ -6,8 +6,8 @@
 
 #include <holdfast/adapters/host_term.hpp>
 
+#include "../draws.hpp"
 #include "../problems.hpp"
-#include "draws.hpp"
 
 namespace holdfast::testing {
 
@@ -17,7 +17,7 @@ struct HostAnswer {
 };
 /// Makes the host's problem of one factor, once, and then evaluates it at any values.
 using HostEvaluator = std::function<HostAnswer(const Values&)>;
-using MakeHostEvaluator = std::function<HostEvaluator(const HostDraw&, const Loss&, double weight)>;
+using MakeHostEvaluator = std::function<HostEvaluator(const Draw&, const Loss&, double weight)>;
 
 /// A host's gradient with respect to its own tangent, appended in ours: g_theirs = Dᵀ g_ours.
 inline void append_in_our_tangent(const holdfast::detail::HostSlot& slot, const double* x, const Eigen::VectorXd& theirs,
@@ -28,7 +28,7 @@ inline void append_in_our_tangent(const holdfast::detail::HostSlot& slot, const 
   gradient.insert(gradient.end(), ours.data(), ours.data() + ours.size());
 }
 
-inline HostAnswer holdfast_answer(const HostDraw& draw, const Graph& graph, const Values& values) {
+inline HostAnswer holdfast_answer(const Draw& draw, const Graph& graph, const Values& values) {
   const Gradient all = gradient(graph, values);
   HostAnswer answer{graph.cost(values), {}};
   for (Key key : draw.keys) {
@@ -54,7 +54,7 @@ inline void expect_every_factor_agrees(const MakeHostEvaluator& make) {
   constexpr double weight = 0.6;
   std::mt19937_64 rng(77);
   for (int instance = 0; instance < instances; ++instance)
-    for (const HostDraw& draw : every_draw(rng)) {
+    for (const Draw& draw : every_draw(rng)) {
       std::vector<Values> all;
       for (int i = 0; i < states; ++i) all.push_back(draw.values(rng));
       for (const Loss& loss : every_loss(draw.residual_dim)) {

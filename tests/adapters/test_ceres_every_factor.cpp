@@ -8,7 +8,7 @@
 namespace holdfast::testing {
 namespace {
 
-HostEvaluator in_ceres(const HostDraw& draw, const Loss& loss, double weight) {
+HostEvaluator in_ceres(const Draw& draw, const Loss& loss, double weight) {
   auto problem = std::make_shared<ceres::Problem>();
   auto memory = std::make_shared<std::vector<std::vector<double>>>();
   std::vector<double*> blocks;

@@ -9,7 +9,7 @@ namespace {
 using holdfast::detail::G2oSlot;
 using holdfast::detail::G2oSlotOf;
 
-HostEvaluator in_g2o(const HostDraw& draw, const Loss& loss, double weight) {
+HostEvaluator in_g2o(const Draw& draw, const Loss& loss, double weight) {
   const auto term = holdfast::detail::host_term<G2oSlot, G2oSlotOf>(draw.term(loss, weight));
   return [term, keys = draw.keys](const Values& values) {
     std::vector<std::unique_ptr<g2o::OptimizableGraph::Vertex>> vertices;

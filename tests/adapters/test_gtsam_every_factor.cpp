@@ -9,7 +9,7 @@ namespace {
 using holdfast::detail::GtsamSlot;
 using holdfast::detail::GtsamSlotOf;
 
-HostEvaluator in_gtsam(const HostDraw& draw, const Loss& loss, double weight) {
+HostEvaluator in_gtsam(const Draw& draw, const Loss& loss, double weight) {
   const auto term = holdfast::detail::host_term<GtsamSlot, GtsamSlotOf>(draw.term(loss, weight));
   gtsam::KeyVector keys;
   for (const Key key : draw.keys) keys.push_back(gtsam_key(key));

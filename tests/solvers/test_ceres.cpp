@@ -1,4 +1,4 @@
-// The same graph as a ceres::Problem: what test_backends_*.cpp leaves open.
+// The same graph as a ceres::Problem: what test_backends_every_factor.cpp leaves open.
 #include <gtest/gtest.h>
 
 #include <holdfast/solvers/ceres.hpp>

@@ -37,6 +37,6 @@ struct Sample<AutoDiff<HeightResidual>> : RandomVariables<AutoDiff<HeightResidua
   static AutoDiff<HeightResidual> factor(std::mt19937_64& rng) { return {{uniform(rng, -5, 5), uniform(rng, 0.5, 2)}}; }
 };
 
-std::vector<HostDraw> own_draws(std::mt19937_64& rng) { return draws_of<std::tuple<Height, AutoDiff<HeightResidual>>>(rng); }
+std::vector<Draw> own_draws(std::mt19937_64& rng) { return draws_of<std::tuple<Height, AutoDiff<HeightResidual>>>(rng); }
 
 }  // namespace holdfast::testing

@@ -1,5 +1,0 @@
-#include "draws_of.hpp"
-
-namespace holdfast::testing {
-std::vector<HostDraw> linear_draws(std::mt19937_64& rng) { return draws_of<LinearFactors>(rng); }
-}  // namespace holdfast::testing

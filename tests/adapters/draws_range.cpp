@@ -1,5 +1,0 @@
-#include "draws_of.hpp"
-
-namespace holdfast::testing {
-std::vector<HostDraw> range_draws(std::mt19937_64& rng) { return draws_of<RangeFactors>(rng); }
-}  // namespace holdfast::testing

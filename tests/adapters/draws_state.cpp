@@ -1,5 +1,0 @@
-#include "draws_of.hpp"
-
-namespace holdfast::testing {
-std::vector<HostDraw> state_draws(std::mt19937_64& rng) { return draws_of<StateFactors>(rng); }
-}  // namespace holdfast::testing

@@ -1,5 +1,0 @@
-#include "good_citizen.hpp"
-
-namespace holdfast::testing {
-TEST(Samples, MissingFactorsAreExact) { expect_good_citizens<MissingFactors>(); }
-}  // namespace holdfast::testing

@@ -1,6 +1,0 @@
-#include "test_backends.hpp"
-
-namespace holdfast::testing {
-using BearingOnPairs = OnPairs<VonMisesBearing>;
-HOLDFAST_CONFORMANCE_TESTS(BearingOnPairs)
-}  // namespace holdfast::testing
