@@ -44,7 +44,9 @@ endfunction()
 
 function(holdfast_coverage target)
   if(HOLDFAST_COVERAGE)
-    target_compile_options(${target} PUBLIC --coverage -fprofile-update=atomic)
+    # Of the rooms alone: without Eigen's and the tests' own lines half as long to run. Inlined after counting, so that no line is lost.
+    target_compile_options(${target} PUBLIC --coverage -fprofile-update=atomic -fno-early-inlining
+      "-fprofile-filter-files=(^|/)(graph|factors|solvers)/[^/]*$" -fprofile-exclude-files=/tests/)
     target_link_options(${target} PUBLIC --coverage)
   endif()
 endfunction()

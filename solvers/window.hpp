@@ -203,7 +203,6 @@ class Window {
   const Agent& known(char letter) const;
   void require_time(double time) const;
   void require_no_agent(Key key) const;
-  void require_variable(Key key, std::type_index type, const char* type_name, const std::string& factor) const;
   template <class F, std::size_t... I>
   void require_variables(const Graph::Keys<F>& keys, std::index_sequence<I...>) const {
     using Vars = typename F::Variables;

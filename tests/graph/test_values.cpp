@@ -134,6 +134,27 @@ TEST(Values, AssignmentTakesStructureAndNumbers) {
   EXPECT_EQ(original.structure(), other.structure());
 }
 
+TEST(Values, AssignmentForgetsKeysThatTheOtherDoesNotHave) {
+  const Values original = some_values();
+  Values other;  // the same types, other keys
+  other.insert(A(1), Pose2(9, 9, 0));
+  other.insert(A(7), Pose2(8, 8, 0));
+  other.insert(B(5), Point3(0, 0, 0));
+  other = original;
+  EXPECT_EQ(other.keys(), original.keys());
+  EXPECT_EQ(other.structure(), original.structure());
+  EXPECT_EQ(other.at<Pose2>(A(0)).p, Vector<2>(1, 2));
+  EXPECT_EQ(other.at<Pose2>(A(1)).p, Vector<2>(3, 4));
+  EXPECT_EQ(other.at<Point3>(B(0)).value, Vector<3>(1, 2, 3));
+  EXPECT_FALSE(other.contains(A(7)));
+  EXPECT_THROW(other.at<Point3>(B(5)), BadKey);
+  other.insert(A(7), Pose2(5, 5, 0));
+  other.erase(A(0));
+  EXPECT_EQ(other.at<Pose2>(A(7)).p, Vector<2>(5, 5));
+  EXPECT_EQ(other.at<Pose2>(A(1)).p, Vector<2>(3, 4));
+  EXPECT_EQ(original.size(), 3u);
+}
+
 TEST(Values, StampChangesWithTheKeysOnly) {
   Values values = some_values();
   const auto before = values.structure();

@@ -116,6 +116,31 @@ TEST(ConvexStart, DoesNotDependOnTheValuesGiven) {
   for (int k = 0; k < 10; ++k) EXPECT_LT((a.at<Motion2>(N(k)).value - b.at<Motion2>(N(k)).value).norm(), 1e-5) << k;
 }
 
+/// A chain of balls that pull each agent to the next, held at both ends only: a flat valley, where IRLS ends at its limit.
+TEST(ConvexStart, GoesOnByNesterovWhereIrlsIsNotDone) {
+  Graph graph;
+  Values values;
+  constexpr int n = 400;
+  for (int i = 0; i < n; ++i) {
+    values.insert(N(i), Point2(0, 0));
+    if (i > 0) graph.add(Range<Point2, Point2>{1, 0.1}, {N(i - 1), N(i)}, Absolute{1e-3});
+  }
+  values.at<Point2>(N(n - 1)) = Point2(3.0 * n, 40);
+  graph.fix(N(0));
+  graph.fix(N(n - 1));
+  Options quick = tight(), patient = tight();
+  quick.max_iterations = 200;
+  patient.max_iterations = 1000;
+  Values early = values;
+  const RelaxedStart first = relaxed_start(graph, early, quick), start = relaxed_start(graph, values, patient);
+  EXPECT_EQ(first.relaxed.iterations, 200);
+  EXPECT_GT(start.relaxed.iterations, 200);
+  EXPECT_LE(start.relaxed.iterations, 1000);
+  EXPECT_LT(start.relaxed.cost, first.relaxed.cost);
+  EXPECT_EQ(start.relaxed.cost_first, first.relaxed.cost_first);
+  EXPECT_NEAR(start.relaxed.cost, graph.relaxed().cost(values), 1e-9 * start.relaxed.cost);
+}
+
 TEST(ConvexStart, BeginsAtTheCentroidOfPriorsWhereNothingIsFixed) {
   Graph graph;
   graph.add(Prior<Point2>::from_sigmas(Point2(10, 0), Vector<2>(1, 1)), {N(0)});

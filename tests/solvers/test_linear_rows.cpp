@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <holdfast/factors/white_jerk.hpp>
 #include <holdfast/graph/normal_equations.hpp>
 #include <holdfast/solvers/linear_rows.hpp>
 
@@ -87,6 +88,29 @@ TEST(LinearRows, TakesTheStepOfTheDenseNormalEquations) {
                   1e-9 * size)
             << loss.str() << " curvature " << static_cast<int>(curvature) << " λ " << lambda;
       }
+}
+
+/// Rows that one loss weighs together: 3 of a point, 6 of a motion, 9 of a motion with acceleration.
+TEST(LinearRows, TakesTheStepOfTheDenseNormalEquationsInSpace) {
+  std::mt19937_64 rng(16);
+  std::srand(16);
+  Graph graph;
+  Values values;
+  for (int k = 0; k < 6; ++k) {
+    values.insert(Key('A', k), Accel3(Vector<9>::Random() * 3));
+    values.insert(Key('B', k), Motion3(Vector<6>::Random() * 3));
+    graph.add(Prior<Accel3>::from_covariance(Accel3(), random_covariance<9>(rng)), {Key('A', k)}, Cauchy{2});
+    graph.add(Prior<Motion3>::from_covariance(Motion3(), random_covariance<6>(rng)), {Key('B', k)}, Huber{1});
+    graph.add(HuberMeasurementEdge<Motion3, Motion3>::of_position(Vector<3>::Random() * 4, Matrix<3, 3>::Identity()),
+              {Key('B', k), Key('B', (k + 1) % 6)}, TruncatedSquares{30});
+    if (k > 0) graph.add(WhiteJerk<Accel3>::continuous(0.5, 1), {Key('A', k - 1), Key('A', k)}, StudentT{3});
+    if (k > 0) graph.add(WhiteAcceleration<Motion3>::continuous(0.5, 1), {Key('B', k - 1), Key('B', k)}, PseudoHuber{1});
+  }
+  LinearRows rows;
+  for (const Curvature curvature : {Curvature::irls, Curvature::newton}) {
+    const Values expected = dense_step(graph, values, curvature, 0.1);
+    EXPECT_LT(largest_difference(step(rows, graph, values, curvature, 0.1), expected), 1e-9 * (1 + largest_difference(values, expected)));
+  }
 }
 
 TEST(LinearRows, SeesAnEntryThatIsNoLongerZero) {

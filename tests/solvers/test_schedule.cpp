@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <holdfast/factors/missing_distance.hpp>
@@ -7,6 +8,8 @@
 
 namespace holdfast::testing {
 namespace {
+
+using ::testing::HasSubstr;
 
 constexpr Agent A('A'), L('L');
 using To = Range<Motion2, Point2>;
@@ -43,7 +46,8 @@ struct Robot {
   const Stream& stream() const { return schedule.stream(ranges); }
   std::vector<Missing> missing() const {
     std::vector<Missing> all;
-    window.graph().for_each_batch<Missing>([&](const Batch<Missing>& batch) { all.insert(all.end(), batch.factors().begin(), batch.factors().end()); });
+    window.graph().for_each_batch<Missing>(
+        [&](const Batch<Missing>& batch) { all.insert(all.end(), batch.factors().begin(), batch.factors().end()); });
     return all;
   }
   Arrival arrival(int number) const {
@@ -61,7 +65,8 @@ TEST(Schedule, KnowsWhatBecameOfEachMeasurement) {
     if (t != 3 && t != 5) robot.receive(t, t == 6 ? 40 : 0);
     robot.step(t);
   }
-  const Arrival expected[] = {Arrival::received, Arrival::received, Arrival::dropped, Arrival::received, Arrival::out_of_range, Arrival::rejected, Arrival::received};
+  const Arrival expected[] = {Arrival::received,     Arrival::received, Arrival::dropped, Arrival::received,
+                              Arrival::out_of_range, Arrival::rejected, Arrival::received};
   for (int n = 0; n < 7; ++n) EXPECT_EQ(robot.arrival(n), expected[n]) << n << ' ' << to_string(robot.arrival(n));
   EXPECT_EQ(robot.stream().count(Arrival::received), 4u);
   EXPECT_EQ(robot.stream().count(Arrival::dropped), 1u);
@@ -128,6 +133,57 @@ TEST(Schedule, WhatTheWindowRefusesChangesNothing) {
   EXPECT_LE(robot.stream().entries().size(), 7u);  // the past is forgotten
 }
 
+TEST(Schedule, RefusesTimesThatItCannotHaveExpected) {
+  Robot robot(false, 4);
+  for (int t = 1; t <= 12; ++t) {
+    robot.receive(t);
+    robot.step(t);
+  }
+  const auto refusal = [&](auto act) -> std::string {
+    try {
+      act();
+    } catch (const BadTime& error) {
+      return error.what();
+    } catch (const BadOption& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto lose = [&](double t, Arrival why) { return refusal([&] { robot.schedule.lose(robot.ranges, t, why); }); };
+  EXPECT_THAT(lose(2, Arrival::dropped), HasSubstr("due at 2 s has left the window"));
+  EXPECT_THAT(lose(5e6, Arrival::dropped), HasSubstr("repair the clock"));
+  EXPECT_THAT(lose(12, Arrival::rejected), HasSubstr("'rejected' is no loss"));
+  EXPECT_EQ(robot.stream().count(Arrival::dropped), 0u);
+  EXPECT_EQ(robot.stream().count(Arrival::received), 12u);
+  EXPECT_EQ(robot.arrival(11), Arrival::received);
+}
+
+TEST(Schedule, BoundsWhatWasSkippedWhenTheNextIsHeardOf) {
+  Robot robot;
+  robot.receive(1);
+  robot.step(1);
+  robot.receive(5);  // nobody closed 2, 3 and 4
+  ASSERT_EQ(robot.missing().size(), 3u);
+  EXPECT_EQ(robot.missing()[2].d_prev, Robot::range(1).distance);
+  EXPECT_EQ(robot.stream().count(Arrival::dropped), 3u);
+}
+
+TEST(Schedule, AnAgentThatIsNotThereYetIsNotBound) {
+  Robot robot;
+  const int later = robot.schedule.expect<To>('B', L(0), 1.0, 1.0, [](const To& last, int) {
+    return Missing{last.distance, last.sigma, 1};
+  });
+  for (int t = 1; t <= 3; ++t) robot.step(t);
+  EXPECT_EQ(robot.schedule.stream(later).count(Arrival::dropped), 3u);
+  EXPECT_TRUE(robot.missing().empty());
+  robot.window.add_agent('B', WhiteAcceleration<Motion2>::exact(1, 1, 0.1 * Matrix<4, 4>::Identity()), 1.0);
+  robot.window.add_state(Key('B', 0), 4.0, Motion2(0, 0, 0, 0));
+  robot.schedule.receive(later, 4, To{5, 0.1});
+  for (int t = 4; t <= 6; ++t) robot.step(t);
+  EXPECT_EQ(robot.missing().size(), 2u);
+  EXPECT_EQ(robot.schedule.stream(later).count(Arrival::received), 1u);
+}
+
 TEST(Schedule, IsSavedWithItsWindow) {
   const std::string path = ::testing::TempDir() + "holdfast_schedule";
   Robot whole, first;
@@ -150,6 +206,8 @@ TEST(Schedule, IsSavedWithItsWindow) {
   Window other;
   Schedule none(other);
   EXPECT_THROW(none.restore(first.schedule.save()), BadFile);
+  Robot without_its_window;
+  EXPECT_THROW(without_its_window.schedule.restore(first.schedule.save()), BadFile);
   std::remove(path.c_str());
 }
 

@@ -239,7 +239,8 @@ TEST(Window, PosesBringTheirOdometryAndSeeLandmarks) {
       const auto odometry = Between<Pose2>::from_sigmas(step.retract(random_vector<3>(rng, 0.02)), {0.02, 0.02, 0.02});
       window.add_state(A(k), k, A(k - 1), odometry);
       for (int l = 0; l < 3; ++l)
-        window.add(Range<Pose2, Point2>{(truth.p - landmarks[l].value).norm() + random_vector<1>(rng, 0.05)[0], 0.05}, {A(k), L(l)}, Huber{2});
+        window.add(Range<Pose2, Point2>{(truth.p - landmarks[l].value).norm() + random_vector<1>(rng, 0.05)[0], 0.05}, {A(k), L(l)},
+                   Huber{2});
       const WindowStep& result = window.step(k);
       EXPECT_TRUE(result.summary.usable()) << result.summary.str();
       ASSERT_TRUE(result.marginals.has_value());
@@ -292,6 +293,45 @@ TEST(Window, TakesOutWhatIsNotFiniteAndSaysSo) {
   EXPECT_LT((window.newest<Motion2>('A').position() - truth(2)).norm(), 0.3);
 }
 
+TEST(Window, GoesOnWhereItWasMovedTo) {
+  Window window = tracker(exact_options(1)), stays = tracker(exact_options(1));
+  for (int k = 1; k <= 20; ++k) {
+    for (Window* one : {&window, &stays}) {
+      one->add(position(truth(kStep * k)), {one->at('A', kStep * k)});
+      one->step(kStep * k);
+    }
+    if (k != 10) continue;
+    Window other(std::move(window));
+    window = std::move(other);
+  }
+  EXPECT_TRUE(same_bits(window.values(), stays.values()));
+}
+
+TEST(Window, SaysWhereNothingIsFree) {
+  Window window(exact_options(1));
+  window.add_beacon(L(0), Point2(0, 0));
+  window.add_beacon(L(1), Point2(3, 4));
+  window.add(Range<Point2, Point2>{6, 0.5}, {L(0), L(1)}, Squared{});
+  const WindowStep& step = window.step(0);
+  EXPECT_TRUE(step.summary.usable());
+  EXPECT_EQ(step.summary.rule, "nothing is free");
+  EXPECT_EQ(window.state<Point2>(L(1)).value, Vector<2>(3, 4));
+}
+
+TEST(Window, AnAgentWithoutAMotionHasTheStatesItWasGiven) {
+  Window window(exact_options(1));
+  window.add_state(B(0), 0.0, Pose2(1, 2, 0));
+  window.add(Prior<Pose2>::from_sigmas(Pose2(1, 2, 0), {1, 1, 1}), {B(0)});
+  EXPECT_EQ(window.at('B', 0.0), B(0));
+  try {
+    window.at('B', 0.1);
+    ADD_FAILURE() << "a state was made from nothing";
+  } catch (const BadTime& error) {
+    EXPECT_NE(std::string(error.what()).find("no motion to make one from"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(window.states('B'), std::vector<Key>{B(0)});
+}
+
 TEST(Window, ReportsWhatItsLossesBelieve) {
   WindowOptions options = exact_options(1);
   options.report = true;
@@ -338,8 +378,11 @@ void drive(Window& window, int from, int to) {
     std::mt19937_64 rng(k);
     const double t = kStep * k;
     if (k % 5 != 3) window.add(position(truth(t) + random_vector<2>(rng, 0.5)), {window.at('A', t)});
-    if (k % 3 != 1) window.add(Range<Motion2, Point2>{(truth(t) - Vector<2>(3, 1)).norm() + random_vector<1>(rng, 0.1)[0], 0.1}, {window.at('B', t), L(0)}, Cauchy{2});
-    if (k % 4 == 0) window.add(Range<Motion2, Motion2>{std::abs(random_vector<1>(rng, 0.2)[0]), 0.2}, {window.at('A', t), window.at('B', t)}, Huber{2});
+    if (k % 3 != 1)
+      window.add(Range<Motion2, Point2>{(truth(t) - Vector<2>(3, 1)).norm() + random_vector<1>(rng, 0.1)[0], 0.1},
+                 {window.at('B', t), L(0)}, Cauchy{2});
+    if (k % 4 == 0)
+      window.add(Range<Motion2, Motion2>{std::abs(random_vector<1>(rng, 0.2)[0]), 0.2}, {window.at('A', t), window.at('B', t)}, Huber{2});
     if (k % 6 == 0) window.add(position(truth(t - 0.3)), {window.at('A', t - 0.3)});  // late
     window.step(t);
   }
@@ -412,7 +455,7 @@ TEST(Window, AStateThatIsRefusedLeavesNoTrace) {
   const std::size_t factors = window.graph().size();
   Motion bad = motion();
   bad.sqrt_information.setConstant(NAN);
-  EXPECT_THROW(window.add_state(B(0), 0.1, A(0), bad), BadNumber);                 // of an agent that is not there yet
+  EXPECT_THROW(window.add_state(B(0), 0.1, A(0), bad), BadNumber);                  // of an agent that is not there yet
   EXPECT_THROW(window.add_state(A(7), 0.1 * kStep, Motion2(0, 1, 0, 1)), BadTime);  // off the motion's grid
   EXPECT_THROW(window.add_state(A(7), 0.1 * kStep, A(0), motion()), BadTime);
   EXPECT_EQ(window.agents(), "A");
