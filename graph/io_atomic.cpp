@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <holdfast/graph/error.hpp>
 #include <holdfast/graph/io_atomic.hpp>
 #include <system_error>
@@ -18,15 +19,27 @@ std::string directory_of(const std::string& path) {
   return slash == std::string::npos ? "." : path.substr(0, slash + 1);
 }
 
+/// The file itself where the path is a link to it, be it there or not: the link stays, and the file may lie on another disk.
+std::string behind_links(const std::string& path) {
+  namespace fs = std::filesystem;
+  constexpr int kMostLinks = 40;  // as Linux has it
+  std::error_code error;
+  fs::path file = path;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(file, error)); ++links) {
+    if (links == kMostLinks) fail<BadFile>("cannot write ", path, ": it is a ring of symbolic links; name a file");
+    file = file.parent_path() / fs::read_symlink(file, error);
+  }
+  return file.string();
+}
+
 /// The file before it is there. It has no name at all until it is whole (O_TMPFILE), so that a program that is killed leaves nothing
 /// behind; where the file system knows no nameless files it has a temporary name from the start. Removed again unless it was renamed.
 class Temporary {
  public:
   explicit Temporary(const std::string& target) : target_(target) {
-    if (::access("/proc/self/fd", X_OK) == 0)  // by which it gets its name
+    if (::access("/proc/self/fd", X_OK) == 0)                                              // by which it gets its name
       fd_ = ::open(directory_of(target).c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);  // 0666: the user's umask decides
-    if (fd_ < 0)
-      under_new_name([this] { return fd_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
+    if (fd_ < 0) under_new_name([this] { return fd_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
   }
   Temporary(const Temporary&) = delete;
   Temporary& operator=(const Temporary&) = delete;
@@ -97,11 +110,12 @@ void atomic_write(const std::string& path, std::string_view content) {
   const bool exists = ::stat(path.c_str(), &status) == 0;
   if (exists && !S_ISREG(status.st_mode))
     fail<BadFile>("cannot write ", path, ": it is ", S_ISDIR(status.st_mode) ? "a directory" : "no regular file", "; name a file");
-  Temporary file(path);
+  const std::string target = behind_links(path);
+  Temporary file(target);
   if (exists) file.take_mode(status.st_mode);
   file.write(content);
   file.rename();
-  flush_directory(directory_of(path));
+  flush_directory(directory_of(target));
 }
 
 }  // namespace holdfast

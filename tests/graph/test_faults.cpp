@@ -1,4 +1,6 @@
 // Files when things go wrong: whole or not there, whatever happens to the disk or to the program, and an error that says which and why.
+#include <unistd.h>
+
 #include <holdfast/graph/io_atomic.hpp>
 #include <holdfast/graph/io_tum.hpp>
 #include <random>
@@ -26,6 +28,20 @@ Values values_of(const Dataset& dataset) {
   for (const Vertex& vertex : dataset.vertices) values.insert(vertex.key, std::get<Pose2>(vertex.value));
   return values;
 }
+
+/// Root may write everywhere; for the life of this object the test is nobody in particular.
+class NotRoot {
+ public:
+  NotRoot() : user_(::geteuid()) {
+    if (user_ == 0) {
+      EXPECT_EQ(::seteuid(65534), 0);
+    }
+  }
+  ~NotRoot() { EXPECT_EQ(::seteuid(user_), 0); }
+
+ private:
+  uid_t user_;
+};
 
 TEST(FullDisk, LeavesTheOldFileAndNothingElse) {
   const SmallDisk disk(64);
@@ -57,11 +73,34 @@ TEST(ReadOnlyDisk, IsNamed) {
 }
 
 TEST(ReadOnlyDirectory, IsNamed) {
-  if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
+  using std::filesystem::perms;
   const TemporaryDirectory directory;
-  std::filesystem::create_directory(directory / "d");
-  std::filesystem::permissions(directory / "d", std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
-  expect_message<BadFile>([&] { atomic_write(directory / "d/a", "new"); }, {"cannot write", directory / "d/a", "Permission denied"});
+  constexpr perms everybody_reads = perms::owner_read | perms::owner_exec | perms::others_read | perms::others_exec;
+  std::filesystem::permissions(directory / "", everybody_reads);
+  {
+    const NotRoot nobody;
+    expect_message<BadFile>([&] { atomic_write(directory / "a", "new"); }, {"cannot write", directory / "a", "Permission denied"});
+  }
+  EXPECT_EQ(directory.files(), 0u);
+  std::filesystem::permissions(directory / "", perms::owner_all);
+}
+
+TEST(SymbolicLink, StaysAndItsFileIsWritten) {
+  namespace fs = std::filesystem;
+  const TemporaryDirectory directory;
+  fs::create_directory(directory / "disk");
+  fs::create_symlink("disk/state", directory / "near");
+  fs::create_symlink(directory / "near", directory / "far");
+  for (const std::string text : {"the first", "the next"}) {  // there is no disk/state yet; there is one
+    atomic_write(directory / "far", text);
+    EXPECT_EQ(content(directory / "disk/state"), text);
+    EXPECT_TRUE(fs::is_symlink(directory / "near"));
+    EXPECT_TRUE(fs::is_symlink(directory / "far"));
+  }
+  fs::create_symlink("ring", directory / "ring");
+  expect_message<BadFile>([&] { atomic_write(directory / "ring", "lost"); }, {"cannot write", "ring of symbolic links"});
+  EXPECT_TRUE(fs::is_symlink(directory / "ring"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory / "disk"), fs::directory_iterator()), 1);
 }
 
 TEST(Killed, WhileWritingLeavesOneOfTheTwoTextsWhole) {
