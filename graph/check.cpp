@@ -2,6 +2,7 @@
 #include <holdfast/graph/check.hpp>
 #include <holdfast/graph/observability.hpp>
 #include <map>
+#include <numeric>
 #include <set>
 #include <sstream>
 
@@ -30,6 +31,8 @@ class Doctor {
   }
 
  private:
+  static constexpr double kMostInSquare = 1e100;  // leaves its square room for weights
+
   template <class... Parts>
   void add_text(Kind kind, Severity severity, std::vector<Key> keys, const Parts&... parts) {
     std::ostringstream text;
@@ -52,30 +55,41 @@ class Doctor {
     const Key key = batch.keys(i)[k];
     if (!values_.contains(key)) {
       if (unknown.insert(key).second)
-        add_text(Kind::unknown_key, Severity::error, {key}, batch.describe(i), ": key ", key, " has no value; insert a ", batch.type_names()[k], " for it");
+        add_text(Kind::unknown_key, Severity::error, {key}, batch.describe(i), ": key ", key, " has no value; insert a ",
+                 batch.type_names()[k], " for it");
       return;
     }
     const PoolBase& pool = values_.pool(values_.slot(key).pool);
     if (pool.type() != batch.types()[k])
-      add_text(Kind::wrong_type, Severity::error, {key}, batch.describe(i), ": key ", key, " is a ", pool.type_name(), ", the factor needs a ",
-               batch.type_names()[k]);
+      add_text(Kind::wrong_type, Severity::error, {key}, batch.describe(i), ": key ", key, " is a ", pool.type_name(),
+               ", the factor needs a ", batch.type_names()[k]);
   }
 
   bool check_values() {
     bool good = true;
     for (const auto& pool : values_.pools())
       for (int i = 0; i < pool->size(); ++i) {
-        if (pool->is_finite(i)) continue;
-        good = false;
         const Key key = pool->keys()[i];
-        add_text(Kind::bad_value, Severity::error, {key}, key, " (", pool->type_name(), ") is not finite; give it a finite start");
+        if (!pool->is_finite(i))
+          add_text(Kind::bad_value, Severity::error, {key}, key, " (", pool->type_name(), ") is not finite; give it a finite start");
+        else if (const double most = largest(*pool, i); most > kMostInSquare)
+          add_text(Kind::bad_value, Severity::error, {key}, key, " (", pool->type_name(), ") holds ", most, ", above ", kMostInSquare,
+                   "; the squares of such numbers overflow: check its unit, its start, and the measurements it came from");
+        else
+          continue;
+        good = false;
       }
     return good;
+  }
+  static double largest(const PoolBase& pool, int i) {
+    const double* const x = pool.data(i);
+    return std::accumulate(x, x + pool.ambient(), 0.0, [](double most, double number) { return std::max(most, std::abs(number)); });
   }
 
   void check_untouched() {
     std::set<Key> touched;
-    for (const auto& batch : graph_.batches()) touched.insert(batch->keys(0), batch->keys(0) + static_cast<std::ptrdiff_t>(batch->size()) * batch->arity());
+    for (const auto& batch : graph_.batches())
+      touched.insert(batch->keys(0), batch->keys(0) + static_cast<std::ptrdiff_t>(batch->size()) * batch->arity());
     for (Key key : values_.keys())
       if (touched.count(key) == 0)
         add_text(Kind::unconstrained_variable, Severity::warning, {key}, key, ": no factor touches it; it will stay as it is");
@@ -97,7 +111,8 @@ class Doctor {
       it->second.second = std::min(it->second.second, key);
     }
     std::ostringstream text;
-    for (const auto& [agent, count] : agents) text << (text.tellp() > 0 ? ", " : "") << count.first << " of agent " << agent << " from " << count.second;
+    for (const auto& [agent, count] : agents)
+      text << (text.tellp() > 0 ? ", " : "") << count.first << " of agent " << agent << " from " << count.second;
     return text.str();
   }
 
@@ -117,15 +132,18 @@ class Doctor {
     if (component.gauge.empty()) return;
     std::ostringstream motions;
     for (const std::string& motion : component.gauge) motions << (motions.tellp() > 0 ? ", " : "") << motion;
-    add_text(Kind::free_gauge, Severity::error, {first}, who, " can move together at no cost (", motions.str(), "); add a prior on ", first, " or fix it");
+    add_text(Kind::free_gauge, Severity::error, {first}, who, " can move together at no cost (", motions.str(), "); add a prior on ", first,
+             " or fix it");
   }
   void report_directions(const Component& component) {
     for (const Component::Direction& d : component.directions)
-      add_text(Kind::unconstrained_direction, d.only_here ? Severity::warning : Severity::error, {d.key}, d.key, ": tangent direction ", d.component,
-               " is not constrained by any factor", d.others > 0 ? " (" + std::to_string(d.others) + " more variables move with it)" : "",
+      add_text(Kind::unconstrained_direction, d.only_here ? Severity::warning : Severity::error, {d.key}, d.key, ": tangent direction ",
+               d.component, " is not constrained by any factor",
+               d.others > 0 ? " (" + std::to_string(d.others) + " more variables move with it)" : "",
                d.only_here ? " at these values, where a one-sided factor on it is at rest" : "; add a measurement or a prior");
     if (component.more_directions > 0)
-      add_text(Kind::unconstrained_direction, Severity::error, {}, component.more_directions, " or more further directions are not constrained");
+      add_text(Kind::unconstrained_direction, Severity::error, {}, component.more_directions,
+               " or more further directions are not constrained");
   }
 
   const Graph& graph_;
@@ -142,8 +160,16 @@ bool has_errors(const std::vector<Finding>& findings) {
 }
 
 const char* to_string(Finding::Kind kind) {
-  static const char* const names[] = {"empty graph",  "unknown key",            "wrong type",              "bad value",    "bad residual",
-                                      "nothing free", "unconstrained variable", "unconstrained direction", "disconnected", "free gauge"};
+  static const char* const names[] = {"empty graph",
+                                      "unknown key",
+                                      "wrong type",
+                                      "bad value",
+                                      "bad residual",
+                                      "nothing free",
+                                      "unconstrained variable",
+                                      "unconstrained direction",
+                                      "disconnected",
+                                      "free gauge"};
   return names[static_cast<int>(kind)];
 }
 

@@ -18,7 +18,7 @@ constexpr std::size_t kMostListed = 20;
 // H = Σ w JᵀJ scaled to a unit diagonal, and what it was scaled by.
 struct Scaled {
   Sparse H;
-  VectorXd scale;                  // 1/√H_ii; 0 where H_ii = 0
+  VectorXd scale;                     // 1/√H_ii; 0 where H_ii = 0
   std::vector<bool> has_idle_factor;  // by variable: some factor's Jacobian is zero here
 };
 
@@ -54,7 +54,8 @@ Scaled scaled_hessian(const Graph& graph, const Resolved& resolved, const Values
     MatrixXd J(batch.residual_dim(), batch.total_dim());
     for (int i = 0; i < batch.size(); ++i) {
       batch.evaluate(values, resolved.batches()[b].index.data(), i, i + 1, r.data(), J.data());
-      if (J.allFinite()) assemble_factor(batch, i, &resolved.batches()[b].variable[static_cast<std::size_t>(i) * batch.arity()], resolved, J, assembly);
+      if (J.allFinite())
+        assemble_factor(batch, i, &resolved.batches()[b].variable[static_cast<std::size_t>(i) * batch.arity()], resolved, J, assembly);
     }
   }
   const int n = resolved.tangent_dim();
@@ -112,6 +113,7 @@ std::vector<VectorXd> null_vectors(const Sparse& H, std::size_t most) {
     if (!(ldlt.vectorD()[j] <= kNull)) continue;
     VectorXd x = VectorXd::Unit(n, j);
     ldlt.matrixU().solveInPlace(x);
+    if (!x.allFinite()) continue;
     null.push_back((ldlt.permutationPinv() * x).normalized());
   }
   return null;
@@ -157,6 +159,14 @@ MatrixXd rigid_motions(const Component& component, const Resolved& resolved, con
   return G;
 }
 
+/// The motion that has the greatest likeness among those not taken yet.
+int most_alike(const VectorXd& likeness, const std::vector<bool>& taken) {
+  int most = -1;
+  for (int g = 0; g < likeness.size(); ++g)
+    if (!taken[g] && (most < 0 || likeness[g] > likeness[most])) most = g;
+  return most;
+}
+
 // Names the free rigid motions of a component; returns an orthonormal basis of them.
 MatrixXd find_gauge(Component& component, const Resolved& resolved, const Values& values, const Scaled& scaled) {
   static const char* const names2[] = {"translation x", "translation y", "rotation"};
@@ -164,24 +174,20 @@ MatrixXd find_gauge(Component& component, const Resolved& resolved, const Values
   MatrixXd basis(resolved.tangent_dim(), 0);
   for (int space : {2, 3}) {
     const MatrixXd G = rigid_motions(component, resolved, values, scaled, space);
-    if (G.isZero(0)) continue;
+    if (G.isZero(0) || !G.allFinite()) continue;  // not finite: positions so far away that their squares overflow
     Eigen::ColPivHouseholderQR<MatrixXd> qr(G);
     qr.setThreshold(1e-9);  // fewer motions than columns: one point cannot turn about itself
     const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(G.rows(), qr.rank());
     const MatrixXd quotient = Q.transpose() * (scaled.H.selfadjointView<Eigen::Lower>() * Q);
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(quotient);
+    std::vector<bool> taken(G.cols(), false);
     for (int k = 0; k < Q.cols(); ++k) {
-      if (eigen.eigenvalues()[k] > kGaugeNull) continue;
+      if (!(eigen.eigenvalues()[k] <= kGaugeNull)) continue;
       const VectorXd free = Q * eigen.eigenvectors().col(k);
-      Eigen::Index named = 0;  // the rigid motion it is most like, that has not been named yet
-      VectorXd likeness = (G.transpose() * free).cwiseAbs();
-      for (;; likeness[named] = -1) {
-        likeness.maxCoeff(&named);
-        const std::string name = space == 2 ? names2[named] : names3[named];
-        if (std::find(component.gauge.begin(), component.gauge.end(), name) != component.gauge.end()) continue;
-        component.gauge.push_back(name);
-        break;
-      }
+      const int named = most_alike((G.transpose() * free).cwiseAbs(), taken);
+      taken[named] = true;
+      const std::string name = space == 2 ? names2[named] : names3[named];
+      if (std::find(component.gauge.begin(), component.gauge.end(), name) == component.gauge.end()) component.gauge.push_back(name);
       basis.conservativeResize(Eigen::NoChange, basis.cols() + 1);
       basis.rightCols(1) = free;
     }

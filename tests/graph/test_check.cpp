@@ -209,6 +209,51 @@ TEST(Doctor, GpsInSpaceLeavesTheRotationAboutTheLine) {
       << all_texts(findings);
 }
 
+/// Ties a point in the plane to one in space, and says nothing about either.
+struct Acquainted {
+  using Variables = variables<Point2, Point3>;
+  static constexpr int residual_dim = 1;
+  static const char* name() { return "Acquainted"; }
+  Vector<1> operator()(const Point2&, const Point3&, Jacobians<Acquainted>* J = nullptr) const {
+    if (J != nullptr) J->all.setZero();
+    return Vector<1>::Zero();
+  }
+};
+
+TEST(Doctor, NamesEachMotionOnceWherePlaneAndSpaceMeet) {
+  Graph graph;
+  Values values;
+  for (int k = 0; k < 3; ++k) {
+    values.insert(A(k), Point2(k, 0.5 * k * k));
+    values.insert(B(k), Point3(k, 1, k * k));
+    graph.add(Acquainted{}, {A(k), B(k)});
+    if (k > 0) graph.add(Between<Point2>::from_sigmas(Point2(1, 0), Vector<2>(1, 1)), {A(k - 1), A(k)});
+    if (k > 0) graph.add(Between<Point3>::from_sigmas(Point3(1, 0, 0), Vector<3>(1, 1, 1)), {B(k - 1), B(k)});
+  }
+  EXPECT_THAT(only(check(graph, values), Kind::free_gauge).text, HasSubstr("(translation x, translation y, translation z)"));
+}
+
+TEST(Doctor, NamesValuesWhoseSquaresOverflow) {
+  for (const double far : {1e50, 1e150, 1e200, 1e308}) {
+    SCOPED_TRACE(far);
+    Graph graph;
+    Values values;
+    for (int k = 0; k < 3; ++k) values.insert(A(k), Pose2(k == 0 ? 0 : far, 0.1 * k, 0.3 * k));
+    values.insert(B(0), Point2(1, 2));
+    graph.add(Between<Pose2>::from_sigmas(Pose2(far, 0.1, 0.3), Vector<3>(0.1, 0.1, 0.05)), {A(0), A(1)});
+    graph.add(Between<Pose2>::from_sigmas(Pose2(0, 0.1, 0.3), Vector<3>(0.1, 0.1, 0.05)), {A(1), A(2)});
+    graph.add(RelativePoint<Pose2, Point2>::from_sigmas(Vector<2>(1, 2), Vector<2>(0.1, 0.1)), {A(0), B(0)});
+    const std::vector<Finding> findings = check(graph, values);
+    EXPECT_TRUE(has_errors(findings));
+    const std::vector<Finding> named = of_kind(findings, Kind::bad_value);
+    ASSERT_EQ(named.size(), far > 1e100 ? 2u : 0u) << all_texts(findings);
+    if (far < 1e100) continue;
+    EXPECT_EQ(named[0].keys, std::vector<Key>{A(1)});
+    EXPECT_THAT(named[0].text, HasSubstr("A1 (Pose2)"));
+    EXPECT_THAT(named[0].text, HasSubstr("squares of such numbers overflow"));
+  }
+}
+
 TEST(Doctor, RangeOnlyPairIsFreeToMoveTogether) {
   Graph graph;
   graph.add(Range<Point2, Point2>{5, 0.1}, {A(0), B(0)});
