@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <holdfast/factors/constant_turn.hpp>
 #include <holdfast/factors/transition.hpp>
 #include <holdfast/testing.hpp>

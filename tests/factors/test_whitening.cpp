@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <holdfast/factors/whitening.hpp>
 #include <holdfast/testing.hpp>
 

@@ -314,7 +314,7 @@ TEST(Window, SaysWhereNothingIsFree) {
   window.add(Range<Point2, Point2>{6, 0.5}, {L(0), L(1)}, Squared{});
   const WindowStep& step = window.step(0);
   EXPECT_TRUE(step.summary.usable());
-  EXPECT_EQ(step.summary.rule, "nothing is free");
+  EXPECT_STREQ(step.summary.rule, "nothing is free");
   EXPECT_EQ(window.state<Point2>(L(1)).value, Vector<2>(3, 4));
 }
 
