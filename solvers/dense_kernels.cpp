@@ -6,7 +6,7 @@
 // the copy that another translation unit calls on a processor without it.
 #define HOLDFAST_INLINE __attribute__((always_inline)) inline
 
-#if defined(__x86_64__)
+#if defined(__x86_64__) && !defined(HOLDFAST_WITHOUT_AVX2)  // without: a test of what other processors run
 #define HOLDFAST_AVX2 __attribute__((target("avx2,fma")))
 #endif
 
