@@ -195,6 +195,7 @@ struct BinaryIo {
       const PoolBase& type = variable_type(name, in.get<std::int32_t>());
       prior.add_variable(key, type, ambient(in, type.ambient()).data());
     }
+    if (prior.keys.empty()) fail<BadFile>("it holds a LinearPrior without variables");
     prior.rows = in.get<std::int32_t>();
     prior.constant = in.get<double>();
     if (prior.rows < 1) fail<BadFile>("it holds a LinearPrior without rows");
