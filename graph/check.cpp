@@ -2,7 +2,6 @@
 #include <holdfast/graph/check.hpp>
 #include <holdfast/graph/observability.hpp>
 #include <map>
-#include <numeric>
 #include <set>
 #include <sstream>
 
@@ -82,8 +81,7 @@ class Doctor {
     return good;
   }
   static double largest(const PoolBase& pool, int i) {
-    const double* const x = pool.data(i);
-    return std::accumulate(x, x + pool.ambient(), 0.0, [](double most, double number) { return std::max(most, std::abs(number)); });
+    return Eigen::Map<const Eigen::VectorXd>(pool.data(i), pool.ambient()).cwiseAbs().maxCoeff();
   }
 
   void check_untouched() {
