@@ -168,7 +168,7 @@ TEST(Schedule, BoundsWhatWasSkippedWhenTheNextIsHeardOf) {
   EXPECT_EQ(robot.stream().count(Arrival::dropped), 3u);
 }
 
-TEST(Schedule, AnAgentThatIsNotThereYetIsNotBound) {
+TEST(Schedule, AnAgentIsBoundWhileItIsThere) {
   Robot robot;
   const int later = robot.schedule.expect<To>('B', L(0), 1.0, 1.0, [](const To& last, int) {
     return Missing{last.distance, last.sigma, 1};
@@ -182,6 +182,10 @@ TEST(Schedule, AnAgentThatIsNotThereYetIsNotBound) {
   for (int t = 4; t <= 6; ++t) robot.step(t);
   EXPECT_EQ(robot.missing().size(), 2u);
   EXPECT_EQ(robot.schedule.stream(later).count(Arrival::received), 1u);
+  robot.window.remove_agent('B');
+  for (int t = 7; t <= 9; ++t) robot.step(t);
+  EXPECT_TRUE(robot.missing().empty());
+  EXPECT_EQ(robot.schedule.stream(later).count(Arrival::dropped), 8u);
 }
 
 TEST(Schedule, IsSavedWithItsWindow) {
