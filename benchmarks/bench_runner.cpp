@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <holdfast/benchmarks/bench_runner.hpp>
-#include <holdfast/benchmarks/log.hpp>
-#include <holdfast/benchmarks/machine.hpp>
+#include <holdfast/common/log.hpp>
+#include <holdfast/common/machine.hpp>
 
 namespace holdfast::bench {
 namespace {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <holdfast/benchmarks/journal.hpp>
-#include <holdfast/benchmarks/progress_bar.hpp>
-#include <holdfast/benchmarks/suites.hpp>
+#include <holdfast/common/progress_bar.hpp>
+#include <holdfast/benchmarks/suites/suites.hpp>
 
 namespace holdfast::bench {
+
+using namespace common;
 
 struct RunnerOptions {
   std::vector<std::string> backends;

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <holdfast/benchmarks/journal.hpp>
 #include <holdfast/graph/error.hpp>
-#include <holdfast/graph/io_atomic.hpp>
+#include <holdfast/graph/files/atomic.hpp>
 #include <system_error>
 
 namespace holdfast::bench {

@@ -1,11 +1,13 @@
 // A .jsonl file of results that outlives its program: every line is on the disk before the next run starts.
 #pragma once
 
-#include <holdfast/benchmarks/run.hpp>
+#include <holdfast/common/run.hpp>
 #include <string>
 #include <vector>
 
 namespace holdfast::bench {
+
+using namespace common;
 
 class Journal {
  public:

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cstdio>
-#include <holdfast/benchmarks/machine.hpp>
+#include <holdfast/common/machine.hpp>
 #include <holdfast/benchmarks/race.hpp>
-#include <holdfast/benchmarks/report.hpp>
-#include <holdfast/benchmarks/table.hpp>
+#include <holdfast/common/report.hpp>
+#include <holdfast/common/table.hpp>
 
 namespace holdfast::bench {
 namespace {

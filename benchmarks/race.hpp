@@ -2,9 +2,11 @@
 #pragma once
 
 #include <holdfast/benchmarks/bench_runner.hpp>
-#include <holdfast/benchmarks/terminal.hpp>
+#include <holdfast/common/terminal.hpp>
 
 namespace holdfast::bench {
+
+using namespace common;
 
 /// ceres and its variants, irls, and gtsam and g2o, as far as this build has them.
 std::vector<std::string> race_backends();

@@ -32,7 +32,7 @@ if(TARGET holdfast_cli)
   install(TARGETS holdfast_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 foreach(room IN ITEMS graph factors solvers adapters)
-  install(DIRECTORY ${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/holdfast/${room} FILES_MATCHING PATTERN "*.hpp")
+  install(DIRECTORY ${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/holdfast/${room} FILES_MATCHING PATTERN "*.hpp" PATTERN internal EXCLUDE)
 endforeach()
 install(FILES tests/testing.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/holdfast OPTIONAL)
 

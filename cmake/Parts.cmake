@@ -1,5 +1,5 @@
 # Parts that need a foreign library: AUTO (on where found), ON (an error where absent) or OFF.
-# A file of a room whose name starts with a part's name belongs to it: solvers/ceres.cpp, tests/adapters/test_mrpt_graph.cpp.
+# What belongs to a part: the folders solvers/PART and adapters/PART, and the tests tests/…/PART/… and tests/adapters/test_PART….
 
 set(HOLDFAST_PARTS "")
 
@@ -47,7 +47,7 @@ function(holdfast_without_absent_parts list)
   foreach(part IN LISTS HOLDFAST_PARTS)
     string(TOUPPER ${part} PART)
     if(NOT HOLDFAST_WITH_${PART})
-      list(FILTER ${list} EXCLUDE REGEX "/(solvers|adapters|benchmarks)/(test_|micro_)?${part}[^/]*$")
+      list(FILTER ${list} EXCLUDE REGEX "/(solvers|adapters)/(${part}/|test_${part})[^/]*$")
     endif()
   endforeach()
   set(${list} ${${list}} PARENT_SCOPE)

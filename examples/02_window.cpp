@@ -2,7 +2,7 @@
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
-#include <holdfast/solvers/window.hpp>
+#include <holdfast/solvers/window/window.hpp>
 #include <iostream>
 #include <random>
 

@@ -6,10 +6,10 @@
 #include <holdfast/solvers/backend.hpp>
 #include <iostream>
 #ifdef HOLDFAST_WITH_GTSAM
-#include <holdfast/adapters/gtsam_backend.hpp>
+#include <holdfast/adapters/gtsam/backend.hpp>
 #endif
 #ifdef HOLDFAST_WITH_G2O
-#include <holdfast/adapters/g2o_backend.hpp>
+#include <holdfast/adapters/g2o/backend.hpp>
 #endif
 
 using namespace holdfast;

@@ -2,7 +2,7 @@
 #include <ceres/ceres.h>
 
 #include <cmath>
-#include <holdfast/adapters/ceres.hpp>
+#include <holdfast/adapters/ceres/ceres.hpp>
 #include <holdfast/factors/between.hpp>
 #include <holdfast/factors/range.hpp>
 #include <iostream>

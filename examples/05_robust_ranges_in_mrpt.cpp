@@ -1,6 +1,6 @@
 // Robust ranges added to a network of MRPT: the network as a graph, two robots' ranges into it, the answer back into the network.
 #include <cmath>
-#include <holdfast/adapters/mrpt_graph.hpp>
+#include <holdfast/adapters/mrpt/graph.hpp>
 #include <holdfast/factors/range.hpp>
 #include <holdfast/solvers/backend.hpp>
 #include <iostream>

@@ -4,7 +4,7 @@
 #include <mrpt/obs/CObservationOdometry.h>
 
 #include <fstream>
-#include <holdfast/adapters/mrpt_optimizer.hpp>
+#include <holdfast/adapters/mrpt/optimizer.hpp>
 #include <iostream>
 
 using namespace mrpt::graphslam;

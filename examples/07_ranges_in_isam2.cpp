@@ -4,7 +4,7 @@
 #include <gtsam/slam/BetweenFactor.h>
 
 #include <cmath>
-#include <holdfast/adapters/gtsam.hpp>
+#include <holdfast/adapters/gtsam/gtsam.hpp>
 #include <holdfast/factors/range.hpp>
 #include <iostream>
 

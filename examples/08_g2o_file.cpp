@@ -1,7 +1,7 @@
 // A g2o file in, a better g2o file out: 08_g2o_file in.g2o out.g2o. Without arguments it makes itself a file with a false loop closure.
 #include <fstream>
-#include <holdfast/adapters/dataset.hpp>
-#include <holdfast/graph/io_files.hpp>
+#include <holdfast/adapters/files/problem.hpp>
+#include <holdfast/graph/files/files.hpp>
 #include <holdfast/solvers/backend.hpp>
 #include <iostream>
 

@@ -7,8 +7,8 @@
 // Components are along the axes of the world: give it block losses. A and B: anything with a position.
 #pragma once
 
-#include <holdfast/factors/displacement.hpp>
-#include <holdfast/factors/rules.hpp>
+#include <holdfast/factors/detail/displacement.hpp>
+#include <holdfast/factors/detail/rules.hpp>
 
 namespace holdfast {
 

@@ -8,8 +8,8 @@
 // The Jacobians are exact away from the optimum, too, in our tangent (world translation, right rotation).
 #pragma once
 
-#include <holdfast/factors/body_frame.hpp>
-#include <holdfast/factors/vector_space.hpp>
+#include <holdfast/factors/detail/body_frame.hpp>
+#include <holdfast/factors/detail/vector_space.hpp>
 #include <holdfast/factors/whitening.hpp>
 #include <holdfast/graph/batch.hpp>
 #include <holdfast/graph/variables.hpp>

@@ -6,10 +6,10 @@
 // ω > 0 turns left. At ω = 0 this is constant velocity, reached smoothly: (1 − cos θ)/θ = sin(θ/2) sinc(θ/2).
 #pragma once
 
-#include <holdfast/factors/rules.hpp>
+#include <holdfast/factors/detail/rules.hpp>
 #include <holdfast/factors/whitening.hpp>
 #include <holdfast/graph/factor.hpp>
-#include <holdfast/graph/kinematic.hpp>
+#include <holdfast/graph/variables/kinematic.hpp>
 
 namespace holdfast {
 

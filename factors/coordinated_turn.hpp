@@ -5,9 +5,9 @@
 // covariance q [dt³/3 dt²/2; dt²/2 dt] on each axis, q_turn dt on ω.
 #pragma once
 
-#include <holdfast/factors/rules.hpp>
+#include <holdfast/factors/detail/rules.hpp>
 #include <holdfast/graph/factor.hpp>
-#include <holdfast/graph/kinematic.hpp>
+#include <holdfast/graph/variables/kinematic.hpp>
 
 namespace holdfast {
 

@@ -8,8 +8,8 @@
 // and weight 1 (or, with Q = I, 1/σ_i²; notes D.A.4). z [m] and Q [m²] in the world frame.
 #pragma once
 
-#include <holdfast/factors/rules.hpp>
-#include <holdfast/factors/vector_space.hpp>
+#include <holdfast/factors/detail/rules.hpp>
+#include <holdfast/factors/detail/vector_space.hpp>
 #include <holdfast/factors/whitening.hpp>
 #include <holdfast/graph/batch.hpp>
 #include <holdfast/graph/loss.hpp>

@@ -11,7 +11,7 @@
 
 #include <algorithm>
 #include <holdfast/factors/range_ball.hpp>
-#include <holdfast/graph/kinematic.hpp>
+#include <holdfast/graph/variables/kinematic.hpp>
 
 namespace holdfast {
 

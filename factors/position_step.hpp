@@ -4,7 +4,7 @@
 // described by white_acceleration.
 #pragma once
 
-#include <holdfast/factors/displacement.hpp>
+#include <holdfast/factors/detail/displacement.hpp>
 #include <holdfast/graph/batch.hpp>
 #include <holdfast/graph/require.hpp>
 #include <holdfast/graph/variables.hpp>

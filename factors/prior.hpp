@@ -4,7 +4,7 @@
 // For Pose3 the rotation part is Log(R_meanᵀ R), the full angle; its Jacobian is J_r⁻¹ (Solà et al., "A micro Lie theory", 144).
 #pragma once
 
-#include <holdfast/factors/vector_space.hpp>
+#include <holdfast/factors/detail/vector_space.hpp>
 #include <holdfast/factors/whitening.hpp>
 #include <holdfast/graph/batch.hpp>
 #include <holdfast/graph/variables.hpp>

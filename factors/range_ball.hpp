@@ -6,7 +6,7 @@
 // the world: give it block losses. A and B: anything with a position. Inside the ball residual and Jacobian are zero.
 #pragma once
 
-#include <holdfast/factors/displacement.hpp>
+#include <holdfast/factors/detail/displacement.hpp>
 #include <holdfast/graph/batch.hpp>
 #include <holdfast/graph/require.hpp>
 #include <holdfast/graph/variables.hpp>

@@ -11,8 +11,8 @@
 // So r is continuous, and smooth on either side of the border; no distance is singular, not even zero.
 #pragma once
 
-#include <holdfast/factors/displacement.hpp>
-#include <holdfast/factors/rules.hpp>
+#include <holdfast/factors/detail/displacement.hpp>
+#include <holdfast/factors/detail/rules.hpp>
 
 namespace holdfast {
 

@@ -4,8 +4,8 @@
 // information) are in the body frame of a. g2o: EDGE_SE2_XY.
 #pragma once
 
-#include <holdfast/factors/body_frame.hpp>
-#include <holdfast/factors/displacement.hpp>
+#include <holdfast/factors/detail/body_frame.hpp>
+#include <holdfast/factors/detail/displacement.hpp>
 #include <holdfast/factors/whitening.hpp>
 #include <holdfast/graph/batch.hpp>
 #include <holdfast/graph/variables.hpp>

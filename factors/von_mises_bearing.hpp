@@ -9,9 +9,9 @@
 #pragma once
 
 #include <holdfast/factors/bearing_ray.hpp>
-#include <holdfast/factors/body_frame.hpp>
-#include <holdfast/factors/displacement.hpp>
-#include <holdfast/factors/rules.hpp>
+#include <holdfast/factors/detail/body_frame.hpp>
+#include <holdfast/factors/detail/displacement.hpp>
+#include <holdfast/factors/detail/rules.hpp>
 #include <holdfast/graph/batch.hpp>
 #include <holdfast/graph/variables.hpp>
 

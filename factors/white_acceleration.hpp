@@ -9,8 +9,8 @@
 // The symmetric root makes a per-component Huber mean the same as in the paper (notes D.A.5). Motion2 or Motion3.
 #pragma once
 
-#include <holdfast/factors/rules.hpp>
-#include <holdfast/factors/transition.hpp>
+#include <holdfast/factors/detail/rules.hpp>
+#include <holdfast/factors/detail/transition.hpp>
 #include <holdfast/factors/whitening.hpp>
 #include <holdfast/graph/batch.hpp>
 #include <holdfast/graph/variables.hpp>

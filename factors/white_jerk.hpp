@@ -6,8 +6,8 @@
 // W is triangular: Q spans many orders of magnitude over short times, and Cholesky alone does not care about units.
 #pragma once
 
-#include <holdfast/factors/rules.hpp>
-#include <holdfast/factors/transition.hpp>
+#include <holdfast/factors/detail/rules.hpp>
+#include <holdfast/factors/detail/transition.hpp>
 #include <holdfast/factors/whitening.hpp>
 
 namespace holdfast {

@@ -13,7 +13,7 @@
 //   graph.add(AutoDiff<MyRange>{{12.3, 0.5}}, {A(0), L(0)});
 #pragma once
 
-#include <holdfast/graph/dual.hpp>
+#include <holdfast/graph/detail/dual.hpp>
 #include <holdfast/graph/factor.hpp>
 
 namespace holdfast {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
-#include <holdfast/graph/normal_blocks.hpp>
+#include <holdfast/graph/detail/normal_blocks.hpp>
 #include <holdfast/graph/values.hpp>
 #include <memory>
 #include <typeindex>

@@ -2,7 +2,7 @@
 // answer of every back-end.
 #pragma once
 
-#include <holdfast/graph/factor_type.hpp>
+#include <holdfast/graph/detail/factor_type.hpp>
 #include <holdfast/graph/linear_prior.hpp>
 #include <optional>
 #include <unordered_set>

@@ -3,7 +3,7 @@
 //   r(x) = b + A δ,   δ_k = x0_k.local(x_k)            (x0: where it was linearised; A: rows × Σ dim)
 //
 // On vector spaces it is linear, on others as good as A was at x0. It is made of terms already weighed, so its loss is Squared
-// and weighs 1 unless Graph::set_weight says otherwise. Made by marginalize() (solvers/marginalize.hpp), or by hand:
+// and weighs 1 unless Graph::set_weight says otherwise. Made by marginalize() (solvers/window/marginalize.hpp), or by hand:
 //
 //   LinearPrior prior;
 //   prior.add_variable(A(3), x3);                      // x3: a Pose2 at which r is b

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <holdfast/graph/graph.hpp>
-#include <holdfast/graph/parallel.hpp>
+#include <holdfast/graph/detail/parallel.hpp>
 
 namespace holdfast {
 

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <holdfast/graph/error.hpp>
 #include <holdfast/graph/key.hpp>
-#include <holdfast/graph/local_jacobian.hpp>
+#include <holdfast/graph/detail/local_jacobian.hpp>
 #include <holdfast/graph/variables.hpp>
 #include <memory>
 #include <typeindex>

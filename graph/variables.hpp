@@ -1,6 +1,6 @@
 // Every variable type of holdfast.
 #pragma once
 
-#include <holdfast/graph/kinematic.hpp>
-#include <holdfast/graph/pose2.hpp>
-#include <holdfast/graph/pose3.hpp>
+#include <holdfast/graph/variables/kinematic.hpp>
+#include <holdfast/graph/variables/pose2.hpp>
+#include <holdfast/graph/variables/pose3.hpp>

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <holdfast/solvers/backend.hpp>
-#include <holdfast/solvers/clock.hpp>
-#include <holdfast/solvers/irls.hpp>
-#include <holdfast/solvers/nesterov.hpp>
+#include <holdfast/solvers/detail/clock.hpp>
+#include <holdfast/solvers/irls/irls.hpp>
+#include <holdfast/solvers/nesterov/nesterov.hpp>
 #ifdef HOLDFAST_WITH_CERES
-#include <holdfast/solvers/ceres.hpp>
+#include <holdfast/solvers/ceres/ceres.hpp>
 #endif
 #include <map>
 #include <mutex>

@@ -1,5 +1,5 @@
 #include <cmath>
-#include <holdfast/solvers/fold.hpp>
+#include <holdfast/solvers/detail/fold.hpp>
 
 namespace holdfast {
 

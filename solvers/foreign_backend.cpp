@@ -1,5 +1,5 @@
 #include <holdfast/graph/gradient.hpp>
-#include <holdfast/solvers/foreign_backend.hpp>
+#include <holdfast/solvers/internal/foreign_backend.hpp>
 
 namespace holdfast {
 

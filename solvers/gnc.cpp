@@ -2,7 +2,7 @@
 #include <cmath>
 #include <holdfast/graph/gradient.hpp>
 #include <holdfast/solvers/gnc.hpp>
-#include <holdfast/solvers/minimizer.hpp>
+#include <holdfast/solvers/internal/minimizer.hpp>
 
 namespace holdfast {
 namespace {

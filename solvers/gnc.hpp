@@ -17,7 +17,7 @@
 #pragma once
 
 #include <holdfast/solvers/backend.hpp>
-#include <holdfast/solvers/clock.hpp>
+#include <holdfast/solvers/detail/clock.hpp>
 
 namespace holdfast {
 

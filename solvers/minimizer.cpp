@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <holdfast/solvers/minimizer.hpp>
+#include <holdfast/solvers/internal/minimizer.hpp>
 
 namespace holdfast {
 

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <functional>
-#include <holdfast/adapters/block_layout.hpp>
-#include <holdfast/adapters/term.hpp>
+#include <holdfast/adapters/ceres/block_layout.hpp>
+#include <holdfast/adapters/detail/term.hpp>
 #include <random>
 
 namespace holdfast::testing {

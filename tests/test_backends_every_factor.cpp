@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #ifdef HOLDFAST_WITH_CERES
-#include <holdfast/solvers/ceres.hpp>
+#include <holdfast/solvers/ceres/ceres.hpp>
 #endif
 
-#include "draws.hpp"
-#include "problems.hpp"
+#include "tests/draws.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 namespace {

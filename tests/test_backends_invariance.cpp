@@ -2,7 +2,7 @@
 // every back-end finds when the measurements are exact.
 #include <gtest/gtest.h>
 
-#include "problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 namespace {

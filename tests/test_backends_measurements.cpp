@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "problems.hpp"
-#include "samples.hpp"
+#include "tests/problems.hpp"
+#include "tests/samples.hpp"
 
 namespace holdfast::testing {
 namespace {

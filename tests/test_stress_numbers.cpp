@@ -2,7 +2,7 @@
 // back-end finds the answer; every other one ends no worse than it began.
 #include <gtest/gtest.h>
 
-#include "problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 namespace {

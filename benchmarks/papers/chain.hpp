@@ -7,7 +7,7 @@
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
-#include <holdfast/solvers/marginalize.hpp>
+#include <holdfast/solvers/window/marginalize.hpp>
 #include <optional>
 #include <vector>
 
@@ -37,7 +37,7 @@ class Chain {
   void set(const std::vector<ChainNode>& nodes, const std::optional<Prior<Motion2>>& arrival);
   /// Solves, polishes (polish.hpp), and writes the answer into the nodes, those of set().
   Summary solve(Backend& backend, std::vector<ChainNode>& nodes);
-  /// What is left when the first node leaves: solvers/marginalize.hpp, measurements at their weights at its state. An arrival cost of the
+  /// What is left when the first node leaves: solvers/window/marginalize.hpp, measurements at their weights at its state. An arrival cost of the
   /// second, exact for a chain: it is what a Kalman step makes of it.
   Prior<Motion2> marginalized(const Prior<Motion2>& arrival, const ChainNode& first, const ChainNode& second);
 

@@ -1,5 +1,5 @@
 #include <holdfast/benchmarks/papers/flight.hpp>
-#include <holdfast/benchmarks/random.hpp>
+#include <holdfast/benchmarks/scenarios/random.hpp>
 
 namespace holdfast::bench {
 namespace {

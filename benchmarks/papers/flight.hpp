@@ -5,7 +5,7 @@
 //   mixture             v = t_ν in a share α of the samples, else g; ν = 3: what the text describes
 #pragma once
 
-#include <holdfast/graph/kinematic.hpp>
+#include <holdfast/graph/variables/kinematic.hpp>
 #include <vector>
 
 namespace holdfast::bench {

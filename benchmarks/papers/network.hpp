@@ -1,7 +1,7 @@
 // Paper C's experiments: nodes among anchors, all of them moving, a packet of range and bearing on every edge at every step, some lost.
 #pragma once
 
-#include <holdfast/benchmarks/random.hpp>
+#include <holdfast/benchmarks/scenarios/random.hpp>
 #include <vector>
 
 namespace holdfast::bench {

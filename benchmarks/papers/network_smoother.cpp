@@ -1,7 +1,7 @@
 #include <Eigen/Cholesky>
 #include <holdfast/benchmarks/papers/network_smoother.hpp>
 #include <holdfast/factors/white_jerk.hpp>
-#include <holdfast/solvers/clock.hpp>
+#include <holdfast/solvers/detail/clock.hpp>
 #include <holdfast/solvers/marginals.hpp>
 
 namespace holdfast::bench {

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <holdfast/benchmarks/bench_runner.hpp>
-#include <holdfast/benchmarks/terminal.hpp>
+#include <holdfast/common/terminal.hpp>
 #include <holdfast/graph/math.hpp>
 
 namespace holdfast::bench {
+
+using namespace common;
 
 /// How one estimator did on one scenario.
 struct Score {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <holdfast/benchmarks/papers/paper_cells.hpp>
-#include <holdfast/benchmarks/table.hpp>
+#include <holdfast/common/table.hpp>
 #include <ostream>
 #include <set>
 

@@ -2,7 +2,7 @@
 #include <holdfast/benchmarks/papers/network_smoother.hpp>
 #include <holdfast/benchmarks/papers/paper.hpp>
 #include <holdfast/benchmarks/papers/variance_constrained.hpp>
-#include <holdfast/solvers/clock.hpp>
+#include <holdfast/solvers/detail/clock.hpp>
 #include <optional>
 
 namespace holdfast::bench {

@@ -5,7 +5,7 @@
 // windows.
 #pragma once
 
-#include <holdfast/solvers/irls.hpp>
+#include <holdfast/solvers/irls/irls.hpp>
 
 namespace holdfast::bench {
 

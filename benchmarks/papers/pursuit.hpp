@@ -3,7 +3,7 @@
 //   z = p_target + N(0, σ²) + outlier,   an outlier U(low, high) m on both axes, or Student's t on top; some measurements are missing
 #pragma once
 
-#include <holdfast/benchmarks/scenario.hpp>
+#include <holdfast/benchmarks/scenarios/scenario.hpp>
 
 namespace holdfast::bench {
 

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include <holdfast/adapters/host_term.hpp>
+#include <holdfast/adapters/detail/host_term.hpp>
 
-#include "../draws.hpp"
-#include "../problems.hpp"
+#include "tests/draws.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 

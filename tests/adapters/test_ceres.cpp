@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <holdfast/adapters/ceres.hpp>
+#include <holdfast/adapters/ceres/ceres.hpp>
 
-#include "../problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 namespace {

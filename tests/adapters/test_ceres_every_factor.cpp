@@ -1,9 +1,9 @@
 // Every factor × variable types × loss in a user's ceres::Problem, on our own memory layout with our manifold.
 #include <ceres/ceres.h>
 
-#include <holdfast/adapters/ceres.hpp>
+#include <holdfast/adapters/ceres/ceres.hpp>
 
-#include "hosts.hpp"
+#include "tests/adapters/hosts.hpp"
 
 namespace holdfast::testing {
 namespace {

@@ -5,10 +5,10 @@
 #include <g2o/solvers/eigen/linear_solver_eigen.h>
 #include <gtest/gtest.h>
 
-#include <holdfast/adapters/g2o.hpp>
-#include <holdfast/adapters/g2o_backend.hpp>
+#include <holdfast/adapters/g2o/g2o.hpp>
+#include <holdfast/adapters/g2o/backend.hpp>
 
-#include "../problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 namespace {

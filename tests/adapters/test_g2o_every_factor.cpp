@@ -1,7 +1,7 @@
 // Every factor × variable types × loss as an edge of g2o.
-#include <holdfast/adapters/g2o.hpp>
+#include <holdfast/adapters/g2o/g2o.hpp>
 
-#include "hosts.hpp"
+#include "tests/adapters/hosts.hpp"
 
 namespace holdfast::testing {
 namespace {

@@ -4,13 +4,13 @@
 #include <gtsam/inference/Symbol.h>
 #include <gtsam/nonlinear/ISAM2.h>
 
-#include <holdfast/adapters/dataset.hpp>
-#include <holdfast/adapters/gtsam_backend.hpp>
-#include <holdfast/adapters/gtsam_graph.hpp>
-#include <holdfast/graph/io_files.hpp>
+#include <holdfast/adapters/files/problem.hpp>
+#include <holdfast/adapters/gtsam/backend.hpp>
+#include <holdfast/adapters/gtsam/graph.hpp>
+#include <holdfast/graph/files/files.hpp>
 
-#include "../problems.hpp"
-#include "data_files.hpp"
+#include "tests/problems.hpp"
+#include "tests/adapters/data_files.hpp"
 
 namespace holdfast::testing {
 namespace {

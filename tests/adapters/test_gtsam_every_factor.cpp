@@ -1,7 +1,7 @@
 // Every factor × variable types × loss as a factor of GTSAM.
-#include <holdfast/adapters/gtsam.hpp>
+#include <holdfast/adapters/gtsam/gtsam.hpp>
 
-#include "hosts.hpp"
+#include "tests/adapters/hosts.hpp"
 
 namespace holdfast::testing {
 namespace {

@@ -3,8 +3,8 @@
 #include <gtsam/nonlinear/Values.h>
 #include <mrpt/poses/gtsam_wrappers.h>
 
-#include <holdfast/adapters/gtsam_variable.hpp>
-#include <holdfast/adapters/mrpt.hpp>
+#include <holdfast/adapters/gtsam/variable.hpp>
+#include <holdfast/adapters/mrpt/mrpt.hpp>
 #include <holdfast/testing.hpp>
 
 namespace holdfast::testing {

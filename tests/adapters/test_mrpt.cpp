@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
-#include <holdfast/adapters/mrpt_graph.hpp>
+#include <holdfast/adapters/mrpt/graph.hpp>
 #include <holdfast/graph/gradient.hpp>
-#include <holdfast/graph/io_files.hpp>
+#include <holdfast/graph/files/files.hpp>
 #include <holdfast/solvers/backend.hpp>
 #include <holdfast/testing.hpp>
 
-#include "data_files.hpp"
+#include "tests/adapters/data_files.hpp"
 
 namespace holdfast::testing {
 namespace {

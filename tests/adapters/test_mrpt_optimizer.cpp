@@ -11,8 +11,8 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <holdfast/adapters/mrpt_optimizer.hpp>
-#include <holdfast/graph/io_files.hpp>
+#include <holdfast/adapters/mrpt/optimizer.hpp>
+#include <holdfast/graph/files/files.hpp>
 #include <iostream>
 #include <random>
 

@@ -10,9 +10,9 @@
 
 #include <filesystem>
 #include <fstream>
-#include <holdfast/adapters/dataset.hpp>
-#include <holdfast/adapters/mrpt_rawlog.hpp>
-#include <holdfast/adapters/range_start.hpp>
+#include <holdfast/adapters/files/problem.hpp>
+#include <holdfast/adapters/mrpt/rawlog.hpp>
+#include <holdfast/adapters/files/range_start.hpp>
 #include <holdfast/graph/error.hpp>
 #include <holdfast/solvers/backend.hpp>
 #include <iostream>

@@ -2,15 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <holdfast/adapters/dataset.hpp>
-#include <holdfast/adapters/to_dataset.hpp>
+#include <holdfast/adapters/files/problem.hpp>
+#include <holdfast/adapters/files/to_dataset.hpp>
 #include <holdfast/factors/between.hpp>
 #include <holdfast/factors/position_step.hpp>
 #include <holdfast/factors/range.hpp>
-#include <holdfast/graph/io_files.hpp>
+#include <holdfast/graph/files/files.hpp>
 #include <sstream>
 
-#include "data_files.hpp"
+#include "tests/adapters/data_files.hpp"
 
 namespace holdfast::testing {
 namespace {

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include <holdfast/benchmarks/random.hpp>
-#include <holdfast/benchmarks/scenario.hpp>
-#include <holdfast/benchmarks/suites.hpp>
+#include <holdfast/benchmarks/scenarios/random.hpp>
+#include <holdfast/benchmarks/scenarios/scenario.hpp>
+#include <holdfast/benchmarks/suites/suites.hpp>
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/range_ball.hpp>
 #include <holdfast/graph/check.hpp>

@@ -5,7 +5,7 @@
 #include <holdfast/benchmarks/race.hpp>
 #include <holdfast/factors/between.hpp>
 
-#include "cli_helpers.hpp"
+#include "tests/program/helpers.hpp"
 
 namespace holdfast::bench {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
-#include <holdfast/adapters/ceres.hpp>
+#include <holdfast/adapters/ceres/ceres.hpp>
 #include <holdfast/factors/range.hpp>
 
 using namespace holdfast;

@@ -1,7 +1,7 @@
 // A stranger's network of MRPT, solved by holdfast.
 #include <cmath>
 #include <cstdio>
-#include <holdfast/adapters/mrpt_graph.hpp>
+#include <holdfast/adapters/mrpt/graph.hpp>
 #include <holdfast/solvers/backend.hpp>
 
 using namespace holdfast;

@@ -1,8 +1,8 @@
 // From a list of factor types to draws; for the sources of this folder alone.
 #pragma once
 
-#include "../draws.hpp"
-#include "../samples.hpp"
+#include "tests/draws.hpp"
+#include "tests/samples.hpp"
 
 namespace holdfast::testing {
 

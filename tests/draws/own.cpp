@@ -1,7 +1,7 @@
 // A user's own factor, its Jacobian by hand and by automatic differentiation: they go through every host as ours do.
 #include <holdfast/graph/autodiff.hpp>
 
-#include "draws_of.hpp"
+#include "tests/draws/draws_of.hpp"
 
 namespace holdfast::testing {
 

@@ -1,4 +1,4 @@
-#include "draws_of.hpp"
+#include "tests/draws/draws_of.hpp"
 
 namespace holdfast::testing {
 std::vector<Draw> range_draws(std::mt19937_64& rng) { return draws_of<RangeFactors>(rng); }

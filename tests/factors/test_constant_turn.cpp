@@ -2,7 +2,7 @@
 
 #include <Eigen/LU>
 #include <holdfast/factors/constant_turn.hpp>
-#include <holdfast/factors/transition.hpp>
+#include <holdfast/factors/detail/transition.hpp>
 #include <holdfast/testing.hpp>
 
 namespace holdfast {

@@ -3,7 +3,7 @@
 
 #include <holdfast/graph/resolved.hpp>
 
-#include "../draws.hpp"
+#include "tests/draws.hpp"
 
 namespace holdfast::testing {
 namespace {

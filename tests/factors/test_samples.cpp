@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "../samples.hpp"
+#include "tests/samples.hpp"
 
 namespace holdfast::testing {
 namespace {

@@ -3,7 +3,7 @@
 #include <holdfast/factors/white_jerk.hpp>
 #include <holdfast/testing.hpp>
 
-#include "marginal.hpp"
+#include "tests/factors/marginal.hpp"
 
 namespace holdfast {
 namespace {

@@ -1,9 +1,9 @@
 // Any bytes as a file. Either BadFile, or a dataset that its own format gives back bit by bit, and a problem that the doctor, the starts
 // and a solver take or refuse by a typed error. The first byte chooses whether to solve, the start and the loss.
-#include <holdfast/adapters/dataset.hpp>
+#include <holdfast/adapters/files/problem.hpp>
 #include <holdfast/graph/check.hpp>
-#include <holdfast/graph/io_files.hpp>
-#include <holdfast/graph/io_tum.hpp>
+#include <holdfast/graph/files/files.hpp>
+#include <holdfast/graph/files/tum.hpp>
 #include <holdfast/solvers/backend.hpp>
 #include <sstream>
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
-#include <holdfast/graph/io_atomic.hpp>
-#include <holdfast/graph/io_text.hpp>
-#include <holdfast/solvers/window.hpp>
+#include <holdfast/graph/files/atomic.hpp>
+#include <holdfast/graph/files/internal/text.hpp>
+#include <holdfast/solvers/window/window.hpp>
 
 #include "bytes.hpp"
 

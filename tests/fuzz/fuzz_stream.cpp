@@ -1,7 +1,7 @@
 // Any lines through a LineParser, as `holdfast track` feeds it: a line that is refused leaves no trace, so the good lines alone make
 // the same dataset. The first byte chooses the format.
-#include <holdfast/graph/io_files.hpp>
-#include <holdfast/graph/io_parser.hpp>
+#include <holdfast/graph/files/files.hpp>
+#include <holdfast/graph/files/internal/parser.hpp>
 
 #include "bytes.hpp"
 

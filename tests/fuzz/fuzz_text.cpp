@@ -1,6 +1,6 @@
 // Small texts and numbers: losses, keys, names of starts and back-ends, options. What is accepted reads back as itself and works.
 #include <cmath>
-#include <holdfast/adapters/dataset.hpp>
+#include <holdfast/adapters/files/problem.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/solvers/backend.hpp>
 

@@ -5,7 +5,7 @@
 #include <holdfast/graph/autodiff.hpp>
 #include <holdfast/testing.hpp>
 
-#include "../problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast {
 namespace {

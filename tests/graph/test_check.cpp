@@ -4,12 +4,12 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <holdfast/adapters/dataset.hpp>
+#include <holdfast/adapters/files/problem.hpp>
 #include <holdfast/graph/check.hpp>
-#include <holdfast/graph/io_files.hpp>
+#include <holdfast/graph/files/files.hpp>
 #include <holdfast/graph/observability.hpp>
 
-#include "../problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "../problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast {
 namespace {

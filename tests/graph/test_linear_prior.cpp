@@ -2,7 +2,7 @@
 
 #include <holdfast/graph/gradient.hpp>
 #include <holdfast/graph/linear_prior.hpp>
-#include <holdfast/graph/normal_equations.hpp>
+#include <holdfast/solvers/linear/internal/normal_equations.hpp>
 #include <holdfast/testing.hpp>
 
 namespace holdfast {

@@ -2,7 +2,7 @@
 
 #include <holdfast/factors/prior.hpp>
 
-#include "../problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast {
 namespace {

@@ -1,8 +1,8 @@
 // The contract of losses (graph/loss.hpp) at any threshold and any residual.
 #include <holdfast/graph/batch.hpp>
 
-#include "../problems.hpp"
-#include "../properties.hpp"
+#include "tests/problems.hpp"
+#include "tests/properties.hpp"
 
 namespace holdfast {
 namespace {

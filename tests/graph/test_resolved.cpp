@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "../problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast {
 namespace {

@@ -1,8 +1,8 @@
 // A solve of a structure that the solver has met before allocates nothing.
 #include <gtest/gtest.h>
 
-#include "../counting_new.hpp"
-#include "../problems.hpp"
+#include "tests/counting_new.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 namespace {

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "../problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 namespace {

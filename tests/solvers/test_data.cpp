@@ -3,11 +3,11 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <holdfast/adapters/dataset.hpp>
-#include <holdfast/graph/io_files.hpp>
-#include <holdfast/solvers/irls.hpp>
+#include <holdfast/adapters/files/problem.hpp>
+#include <holdfast/graph/files/files.hpp>
+#include <holdfast/solvers/irls/irls.hpp>
 
-#include "../problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 namespace {

@@ -1,9 +1,9 @@
 // What a back-end round a foreign optimizer answers for, whatever the optimizer: here, one that jumps to a place.
 #include <gtest/gtest.h>
 
-#include <holdfast/solvers/foreign_backend.hpp>
+#include <holdfast/solvers/internal/foreign_backend.hpp>
 
-#include "../problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 namespace {

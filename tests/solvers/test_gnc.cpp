@@ -2,7 +2,7 @@
 
 #include <holdfast/solvers/gnc.hpp>
 
-#include "../problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 namespace {

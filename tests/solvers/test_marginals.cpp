@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <holdfast/graph/normal_equations.hpp>
+#include <holdfast/solvers/linear/internal/normal_equations.hpp>
 #include <holdfast/solvers/marginals.hpp>
 
-#include "../problems.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 namespace {

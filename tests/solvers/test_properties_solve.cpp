@@ -1,6 +1,6 @@
 // What a solution may not depend on: the order and the history of a graph, the place of the world's origin, the unit of the weights.
-#include "../problems.hpp"
-#include "../properties.hpp"
+#include "tests/problems.hpp"
+#include "tests/properties.hpp"
 
 namespace holdfast {
 namespace {

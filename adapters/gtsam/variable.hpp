@@ -1,0 +1,157 @@
+// Our variables as GTSAM keeps them, and values both ways.
+//
+//   values.insert(A(3), gtsam::Pose3{…});   values.at<gtsam::Pose2>(A(0));       // into and out of our Values
+//   gtsam::Values theirs = to_gtsam(values);   Values ours = from_gtsam(theirs);
+//
+// In gtsam::Values: Pose2, Pose3, Point2, Point3 are GTSAM's own; Motion2 a Vector4, Motion3 and Accel2 a Vector6, Accel3 a Vector9 (in our
+// memory order), Scalar a double. Tangents: GTSAM moves translations in the body frame, and Pose3's come rotation first; both its
+// retractions (Expmap or not) agree with ours to first order, which is all that a Jacobian asks for. Keys: Key('x', 3) and
+// gtsam::Symbol('x', 3) are the same 64 bits.
+#pragma once
+
+#include <gtsam/geometry/Point2.h>
+#include <gtsam/geometry/Point3.h>
+#include <gtsam/geometry/Pose2.h>
+#include <gtsam/geometry/Pose3.h>
+#include <gtsam/nonlinear/Values.h>
+
+#include <holdfast/adapters/detail/host_term.hpp>
+
+namespace holdfast {
+
+template <>
+struct StandsFor<gtsam::Pose2> {
+  using type = Pose2;
+  static Pose2 ours(const gtsam::Pose2& p) { return {Vector<2>(p.x(), p.y()), Vector<2>(p.r().c(), p.r().s())}; }
+  static gtsam::Pose2 theirs(const Pose2& p) {
+    return gtsam::Pose2(gtsam::Rot2::fromCosSin(p.heading[0], p.heading[1]), gtsam::Point2(p.p));
+  }
+};
+template <>
+struct StandsFor<gtsam::Pose3> {
+  using type = Pose3;
+  static Pose3 ours(const gtsam::Pose3& p) {
+    return {Vector<3>(p.translation()), so3::Quaternion<double>(p.rotation().toQuaternion().normalized())};
+  }
+  static gtsam::Pose3 theirs(const Pose3& p) {
+    return gtsam::Pose3(gtsam::Rot3(Eigen::Quaterniond(p.q.w(), p.q.x(), p.q.y(), p.q.z())), gtsam::Point3(p.p));
+  }
+};
+template <>
+struct StandsFor<gtsam::Point2> {
+  using type = Point2;
+  static Point2 ours(const gtsam::Point2& p) { return {p[0], p[1]}; }
+  static gtsam::Point2 theirs(const Point2& p) { return gtsam::Point2(p.value); }
+};
+template <>
+struct StandsFor<gtsam::Point3> {
+  using type = Point3;
+  static Point3 ours(const gtsam::Point3& p) { return {p[0], p[1], p[2]}; }
+  static gtsam::Point3 theirs(const Point3& p) { return gtsam::Point3(p.value); }
+};
+
+inline gtsam::Key gtsam_key(Key key) { return key.bits(); }
+inline Key holdfast_key(gtsam::Key key) { return {static_cast<char>(key >> 56), key & ((std::uint64_t{1} << 56) - 1)}; }
+
+/// How a variable of ours is kept in gtsam::Values: its type there, both ways, and d (our tangent) / d (GTSAM's). Primary: a vector space.
+template <class V>
+struct GtsamVariable {
+  using type = Eigen::Matrix<double, V::dim, 1>;
+  static V ours(const type& x) { return V(x); }
+  static type theirs(const V& v) { return v.value; }
+  static Matrix<V::dim, V::dim> tangent(const V&) { return Matrix<V::dim, V::dim>::Identity(); }
+};
+template <>
+struct GtsamVariable<Scalar> {
+  using type = double;
+  static Scalar ours(double x) { return x; }
+  static double theirs(const Scalar& v) { return v.value; }
+  static Matrix<1, 1> tangent(const Scalar&) { return Matrix<1, 1>::Identity(); }
+};
+template <>
+struct GtsamVariable<Pose2> : StandsFor<gtsam::Pose2> {
+  using type = gtsam::Pose2;
+  static Matrix<3, 3> tangent(const Pose2& p) {
+    Matrix<3, 3> D = Matrix<3, 3>::Identity();
+    D.topLeftCorner<2, 2>() = p.rotation();
+    return D;
+  }
+};
+template <>
+struct GtsamVariable<Pose3> : StandsFor<gtsam::Pose3> {
+  using type = gtsam::Pose3;
+  static Matrix<6, 6> tangent(const Pose3& p) {
+    Matrix<6, 6> D = Matrix<6, 6>::Zero();
+    D.topRightCorner<3, 3>() = p.rotation();
+    D.bottomLeftCorner<3, 3>().setIdentity();
+    return D;
+  }
+};
+
+namespace detail {
+class GtsamSlot : public HostSlot {
+ public:
+  static const char* cure() { return "gtsam::Values; specialise GtsamVariable and use gtsam_factor"; }
+  virtual void read(const gtsam::Values& values, gtsam::Key key, double* x) const = 0;
+  virtual void insert(gtsam::Values& values, gtsam::Key key, const double* x) const = 0;
+  virtual bool holds(const gtsam::Value& value) const = 0;
+  virtual void insert(Values& values, Key key, const double* x) const = 0;
+
+ protected:
+  using HostSlot::HostSlot;
+};
+
+template <class V>
+class GtsamSlotOf final : public HostSlotOf<GtsamSlot, GtsamVariable<V>, V> {
+  using G = GtsamVariable<V>;
+
+ public:
+  void read(const gtsam::Values& values, gtsam::Key key, double* x) const override {
+    to_ambient(V(G::ours(values.at<typename G::type>(key))), x);
+  }
+  void insert(gtsam::Values& values, gtsam::Key key, const double* x) const override {
+    values.insert_or_assign(key, typename G::type(G::theirs(from_ambient<V>(x))));
+  }
+  bool holds(const gtsam::Value& value) const override {
+    return dynamic_cast<const gtsam::GenericValue<typename G::type>*>(&value) != nullptr;
+  }
+  void insert(Values& values, Key key, const double* x) const override { values.insert(key, from_ambient<V>(x)); }
+};
+
+inline const GtsamSlot* gtsam_slot(const PoolBase& pool) { return slot_of<GtsamSlot, GtsamSlotOf>(pool.type(), pool.type_name()); }
+}  // namespace detail
+
+inline gtsam::Values to_gtsam(const Values& values) {
+  gtsam::Values theirs;
+  for (const auto& pool : values.pools())
+    for (int i = 0; i < pool->size(); ++i)
+      detail::gtsam_slot(*pool)->insert(theirs, gtsam_key(pool->keys()[i]), std::as_const(*pool).data(i));
+  return theirs;
+}
+/// GTSAM's values of the keys that `values` holds, into them.
+inline void write_back(const gtsam::Values& theirs, Values& values) {
+  for (const auto& pool : values.pools())
+    for (int i = 0; i < pool->size(); ++i) detail::gtsam_slot(*pool)->read(theirs, gtsam_key(pool->keys()[i]), pool->data(i));
+}
+/// Poses, points and numbers, and Vector4 as Motion2, Vector9 as Accel3. BadType names anything else: a Vector6 could be two things of
+/// ours.
+inline Values from_gtsam(const gtsam::Values& theirs) {
+  using namespace detail;
+  const GtsamSlot* const known[] = {the_slot<GtsamSlotOf<Pose2>>(),  the_slot<GtsamSlotOf<Pose3>>(),  the_slot<GtsamSlotOf<Point2>>(),
+                                    the_slot<GtsamSlotOf<Point3>>(), the_slot<GtsamSlotOf<Scalar>>(), the_slot<GtsamSlotOf<Motion2>>(),
+                                    the_slot<GtsamSlotOf<Accel3>>()};
+  Values ours;
+  for (const gtsam::Key key : theirs.keys()) {
+    const gtsam::Value& value = theirs.at(key);
+    const auto slot = std::find_if(std::begin(known), std::end(known), [&](const GtsamSlot* one) { return one->holds(value); });
+    if (slot == std::end(known))
+      fail<BadType>("key ", holdfast_key(key), " holds ", demangled(typeid(value)),
+                    ", which is no one type of ours; insert it by hand, and use write_back");
+    std::vector<double> x((*slot)->ambient);
+    (*slot)->read(theirs, key, x.data());
+    (*slot)->insert(ours, holdfast_key(key), x.data());
+  }
+  return ours;
+}
+
+}  // namespace holdfast

@@ -1,0 +1,80 @@
+#include <filesystem>
+#include <fstream>
+#include <holdfast/adapters/files/range_start.hpp>
+#include <holdfast/common/instance.hpp>
+#include <holdfast/graph/files/files.hpp>
+#include <holdfast/graph/files/tum.hpp>
+#include <sstream>
+#ifdef HOLDFAST_WITH_MRPT
+#include <holdfast/adapters/mrpt/rawlog.hpp>
+#endif
+
+namespace holdfast::common {
+namespace {
+
+namespace fs = std::filesystem;
+
+Values true_poses(const Dataset& dataset) {
+  Values truth;
+  for (const Vertex& vertex : dataset.vertices) {
+    if (const auto* pose = std::get_if<Pose2>(&vertex.value)) truth.insert(vertex.key, *pose);
+    if (const auto* pose = std::get_if<Pose3>(&vertex.value)) truth.insert(vertex.key, *pose);
+  }
+  return truth;
+}
+
+/// MRPT's list of true beacons: id x y z and eight numbers more, a line a beacon.
+Values true_beacons(const std::string& path) {
+  constexpr Agent kBeacon('b');
+  Values truth;
+  std::ifstream file(path);
+  file.imbue(std::locale::classic());
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream columns(line);
+    columns.imbue(std::locale::classic());
+    std::uint64_t id;
+    double number[11];
+    int count = 0;
+    columns >> id;
+    while (count < 11 && columns >> number[count]) ++count;
+    if (count == 11) truth.insert(kBeacon(id), Point2(number[0], number[1]));
+  }
+  return truth;
+}
+
+bool is_rawlog(const std::string& path) { return fs::path(path).extension() == ".rawlog"; }
+
+Dataset read_any(const std::string& path) {
+  if (!is_rawlog(path)) return read(path);
+#ifdef HOLDFAST_WITH_MRPT
+  return located_by_ranges(read_rawlog(path));
+#else
+  fail<BadFile>(path, ": this build has no MRPT, which reads .rawlog files; configure with -DHOLDFAST_MRPT=ON");
+#endif
+}
+
+/// What is known of the answer: a PyFG file's own vertices, else the file of the same name that mrpt-common puts beside its data.
+Values truth_of(const Dataset& dataset, const std::string& path) {
+  if (dataset.format == Format::PyFG) return true_poses(dataset);
+  const std::string stem = fs::path(path).replace_extension().string();
+  if (is_rawlog(path)) return true_beacons(stem + "_ground_truth.txt");
+  const std::string beside = stem + "_groundtruth" + fs::path(path).extension().string();
+  return fs::is_regular_file(beside) ? true_poses(read(beside)) : Values();
+}
+
+}  // namespace
+
+FileProblem load(const std::string& path, const ProblemOptions& options) {
+  const Dataset dataset = read_any(path);
+  try {
+    Problem problem = make_problem(dataset, options);
+    return {{std::move(problem.graph), std::move(problem.start), truth_of(dataset, path)},
+            vertex_times(dataset),
+            unknown_report(dataset),
+            problem.relaxed ? problem.relaxed->str() : ""};
+  } catch (const Error& error) {  // these name the record, but the user gave several files
+    fail<BadFile>(path, ": ", error.what());
+  }
+}
+
+}  // namespace holdfast::common

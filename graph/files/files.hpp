@@ -1,0 +1,46 @@
+// Files in and out.
+//
+//   Dataset data = read("plaza2.pyfg");                 // PyFG, g2o or TORO: by its content, never by its name
+//   write_g2o("out.g2o", data);
+//
+// Numbers are those of the C locale whatever the program's locale is. Line ends LF or CRLF, columns parted by any blanks; blank lines
+// and lines that begin with '#' are skipped. Lines with unknown tags are kept in Dataset::unknown: show unknown_report() to the user.
+// Whatever is wrong is a BadFile that names the file, the line number, the text and what was expected (LineParser lists it);
+// then nothing is loaded.
+#pragma once
+
+#include <holdfast/graph/files/dataset.hpp>
+#include <holdfast/graph/error.hpp>
+#include <iosfwd>
+#include <string>
+
+namespace holdfast {
+
+/// The dialect is that of the first line that has one; a later line of another dialect is an error. A file without any is an error.
+Dataset read(const std::string& path);
+Dataset read(const std::string& path, Format format);
+inline Dataset read_pyfg(const std::string& path) { return read(path, Format::PyFG); }
+inline Dataset read_g2o(const std::string& path) { return read(path, Format::G2o); }
+inline Dataset read_toro(const std::string& path) { return read(path, Format::Toro); }
+
+/// The same from a stream, up to its end; `name` stands for the file in messages.
+Dataset parse(std::istream& in, const std::string& name);
+Dataset parse(std::istream& in, const std::string& name, Format format);
+inline Dataset parse_pyfg(std::istream& in, const std::string& name) { return parse(in, name, Format::PyFG); }
+inline Dataset parse_g2o(std::istream& in, const std::string& name) { return parse(in, name, Format::G2o); }
+inline Dataset parse_toro(std::istream& in, const std::string& name) { return parse(in, name, Format::Toro); }
+
+/// The text of a file: sensor offsets, vertices, fixed variables, edges, unknown lines, each in the order of the dataset (comments
+/// are gone). Every number reads back bit by bit. Noise of another format is converted (dataset.hpp). BadFile naming the record
+/// where the format cannot hold it: a range in g2o, a time stamp in g2o or TORO, a pose or edge without one in PyFG, a key other than
+/// x0, x1, … where ids are integers, an unknown line of another format, a number that is not finite.
+std::string to_pyfg(const Dataset& dataset);
+std::string to_g2o(const Dataset& dataset);
+std::string to_toro(const Dataset& dataset);
+
+/// The same into a file, whole or not at all (io_atomic.hpp).
+void write_pyfg(const std::string& path, const Dataset& dataset);
+void write_g2o(const std::string& path, const Dataset& dataset);
+void write_toro(const std::string& path, const Dataset& dataset);
+
+}  // namespace holdfast

@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <holdfast/graph/files/internal/formats.hpp>
+#include <holdfast/graph/files/internal/parser.hpp>
+
+namespace holdfast {
+namespace {
+
+using io::RecordType;
+
+struct KeyUse {
+  Key key;
+  std::optional<std::size_t> type;  ///< none: anything with a position
+};
+
+template <class V>
+std::vector<KeyUse> uses_of(const RelativePoseEdge<V>& edge) {
+  const std::size_t pose = VertexValue(edge.measured).index();
+  return {{edge.first, pose}, {edge.second, pose}};
+}
+template <class P>
+std::vector<KeyUse> uses_of(const RelativePointEdge<P>& edge) {
+  const std::size_t pose = P::dim == 2 ? VertexValue(Pose2()).index() : VertexValue(Pose3()).index();
+  return {{edge.pose, pose}, {edge.landmark, VertexValue(edge.measured).index()}};
+}
+std::vector<KeyUse> uses_of(const RangeEdge& edge) { return {{edge.first, {}}, {edge.second, {}}}; }
+template <class V>
+std::vector<KeyUse> uses_of(const PriorEdge<V>& edge) {
+  return {{edge.key, VertexValue(edge.measured).index()}};
+}
+
+template <class V>
+std::optional<std::uint64_t> offset_of(const PriorEdge<V>& edge) {
+  return edge.offset;
+}
+template <class P>
+std::optional<std::uint64_t> offset_of(const RelativePointEdge<P>& edge) {
+  return edge.offset;
+}
+template <class E>
+std::optional<std::uint64_t> offset_of(const E&) {
+  return std::nullopt;
+}
+
+const char* type_name(std::size_t type) {
+  static constexpr std::array<const char*, 4> names{"Pose2", "Pose3", "Point2", "Point3"};
+  return names[type];
+}
+
+}  // namespace
+
+LineParser::LineParser(Format format, std::string name) : line_(name) {
+  dataset_.format = format;
+  dataset_.name = std::move(name);
+}
+
+void LineParser::parse(std::string_view text) { parse(line_.number() + 1, text); }
+
+void LineParser::parse(std::size_t number, std::string_view text) {
+  line_.assign(number, text);
+  if (line_.is_blank()) return;
+  check_foreign();
+  const RecordType* type = io::find_record(dataset_.format, line_.tag());
+  if (type == nullptr) {
+    while (!text.empty() && (text.back() == '\r' || text.back() == '\n')) text.remove_suffix(1);
+    dataset_.unknown.push_back({std::string(line_.tag()), std::string(text), number});
+    return;
+  }
+  if (type->columns != 0 ? line_.size() != type->columns : line_.size() < 2)
+    line_.error("found ", std::to_string(line_.size()), " columns; expected ",
+                type->columns != 0 ? std::to_string(type->columns) : "2 or more", ": ", type->layout);
+  std::visit([this](auto&& record) { add(std::forward<decltype(record)>(record)); }, type->read(line_));
+}
+
+Dataset LineParser::finish() {
+  const auto first = std::min_element(orphans_.begin(), orphans_.end(), [](const auto& a, const auto& b) {
+    return a.second.line != b.second.line ? a.second.line < b.second.line : a.first < b.first;
+  });
+  if (first != orphans_.end()) {
+    io::Line line(line_.file());
+    line.assign(first->second.line, first->second.text);
+    line.error("the edge names ", first->first.str(), ", which has no vertex in this file; expected a VERTEX line for every name");
+  }
+  Dataset done = std::move(dataset_);
+  *this = LineParser(done.format, done.name);
+  return done;
+}
+
+void LineParser::check_foreign() const {
+  const std::optional<Format> format = io::dialect(line_);
+  if (!format || *format == dataset_.format) return;
+  // A line of our own tag with a damaged key is ours: only the other dialect's full number of columns makes it foreign.
+  const RecordType* foreign = io::find_record(*format, line_.tag());
+  const bool ours = io::find_record(dataset_.format, line_.tag()) != nullptr;
+  if (ours && foreign->columns != line_.size()) return;
+  line_.error("this is a line of ", name(*format), " (", foreign->layout, "); expected ", name(dataset_.format),
+              ", and one dialect in a file");
+}
+
+void LineParser::check_type(Key key, std::size_t type) const {
+  const auto it = uses_.find(key);
+  if (it != uses_.end() && it->second.type != type)
+    line_.error("uses ", key.str(), " as a ", type_name(type), ", but line ", std::to_string(it->second.line), " as a ",
+                type_name(it->second.type), "; expected one type for each variable");
+}
+
+void LineParser::use(Key key, std::optional<std::size_t> type) {
+  const bool is_vertex_known = [&] {
+    const auto it = uses_.find(key);
+    return it != uses_.end() && it->second.is_vertex;
+  }();
+  if (type) uses_.try_emplace(key, Use{*type, line_.number(), false});
+  if (dataset_.format == Format::PyFG && !is_vertex_known) orphans_.try_emplace(key, Orphan{line_.number(), std::string(line_.text())});
+}
+
+void LineParser::add(Vertex vertex) {
+  const auto it = uses_.find(vertex.key);
+  if (it != uses_.end() && it->second.is_vertex)
+    line_.error("defines ", vertex.key.str(), " again, after line ", std::to_string(it->second.line),
+                "; expected one vertex line for each variable");
+  check_type(vertex.key, vertex.value.index());
+  uses_[vertex.key] = {vertex.value.index(), vertex.line, true};
+  orphans_.erase(vertex.key);
+  dataset_.vertices.push_back(std::move(vertex));
+}
+
+void LineParser::add(Edge edge) {
+  const std::optional<std::uint64_t> offset = std::visit([](const auto& e) { return offset_of(e); }, edge.measurement);
+  if (offset) check_offset(*offset);
+  const std::vector<KeyUse> uses = std::visit([](const auto& e) { return uses_of(e); }, edge.measurement);
+  for (const KeyUse& key_use : uses)
+    if (key_use.type) check_type(key_use.key, *key_use.type);
+  for (const KeyUse& key_use : uses) use(key_use.key, key_use.type);
+  dataset_.edges.push_back(std::move(edge));
+}
+
+void LineParser::add(const std::vector<Fixed>& fixed) { dataset_.fixed.insert(dataset_.fixed.end(), fixed.begin(), fixed.end()); }
+
+void LineParser::add(SensorOffset offset) {
+  for (const SensorOffset& known : dataset_.offsets)
+    if (known.id == offset.id)
+      line_.error("defines sensor offset ", std::to_string(offset.id), " again, after line ", std::to_string(known.line),
+                  "; expected one line");
+  dataset_.offsets.push_back(offset);
+}
+
+void LineParser::check_offset(std::uint64_t id) const {
+  for (const SensorOffset& offset : dataset_.offsets) {
+    if (offset.id != id) continue;
+    if (Pose3().local(offset.T_body_sensor).isZero(0)) return;
+    line_.error("sensor offset ", std::to_string(id), " (line ", std::to_string(offset.line),
+                ") is not the identity; expected a sensor at the body, move the measurement there");
+  }
+  line_.error("names sensor offset ", std::to_string(id), ", which no PARAMS_SE3OFFSET line above defines");
+}
+
+}  // namespace holdfast

@@ -1,0 +1,31 @@
+// Where a solve may start: Values made from a Dataset. Both starts hold every key that a vertex or an edge names.
+//
+// A pose without a value of its own gets one from its neighbours over the relative poses, composed one after the other:
+// x_second = x_first · measured, or x_first = x_second · measured⁻¹. Odometry goes first: another edge is used only where no
+// odometry edge leads on; among several the first in the file counts. Where no edge leads on, the lowest pose left that has a vertex
+// starts again there; when none is left, the lowest pose at its prior, or at the identity without one.
+// A landmark without a vertex is put where the first relative point puts it that names it, else at its prior.
+// BadKey names a key that only ranges know: they say not where it is, give it a vertex.
+#pragma once
+
+#include <holdfast/graph/files/dataset.hpp>
+#include <holdfast/graph/values.hpp>
+#include <vector>
+
+namespace holdfast {
+
+/// For each edge of the dataset: is it odometry? That is a relative pose from one pose of an agent to the next pose this agent has
+/// (by index; indices may have gaps). All poses of a g2o or TORO file are of one agent.
+std::vector<bool> odometry_edges(const Dataset& dataset);
+
+/// The vertices of the file; poses and landmarks without one are completed from the edges.
+Values vertex_start(const Dataset& dataset);
+
+/// Dead reckoning: each agent starts at the first of its poses that has a vertex (its first pose, at the identity, if none has) and
+/// follows its odometry from there: consecutive poses differ by the measured step to rounding. A gap in the odometry is bridged
+/// over other edges (also other agents' poses), else the agent starts again at the vertex behind the gap.
+/// Landmarks start at their vertex + N(0, landmark_sigma² [m²]) per axis: the same for the same seed on every platform, and whatever the
+/// order of the file. BadNumber where landmark_sigma is negative or not finite.
+Values odometry_start(const Dataset& dataset, unsigned seed, double landmark_sigma = 1.0);
+
+}  // namespace holdfast

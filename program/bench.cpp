@@ -1,0 +1,101 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <holdfast/benchmarks/bench_runner.hpp>
+#include <holdfast/program/program.hpp>
+#include <holdfast/common/machine.hpp>
+#include <holdfast/common/report.hpp>
+
+namespace holdfast::program {
+
+namespace fs = std::filesystem;
+
+CLI::App* add_bench(CLI::App& app, BenchArguments& arguments) {
+  CLI::App* command =
+      app.add_subcommand("bench", "run suites of problems, print tables, keep every run as a line of JSON; goes on where it was killed");
+  std::string names;
+  for (const Suite& suite : suites())
+    names += std::string("\n  ") + suite.name + ": " + suite.what + (suite.by_default ? " (default)" : "");
+  command->add_option("SUITE", arguments.suites, "of:" + names);
+  command->add_option("--out", arguments.out, "directory of the results, a file <suite>.jsonl each")->capture_default_str();
+  command->add_option("--backend", arguments.backends, "comma-separated names, or all")->capture_default_str();
+  command->add_option("--threads", arguments.threads)->capture_default_str();
+  command->add_option("--tolerance", arguments.tolerance, "relative decrease of the cost that ends a solve")->capture_default_str();
+  command->add_option("--time-limit", arguments.time_limit, "seconds a solve")->capture_default_str();
+  command->add_option("--repetitions", arguments.repetitions, "of a solve that takes less than a second")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->add_option("--seed", arguments.seed)->capture_default_str();
+  command->add_option("--runs", arguments.runs, "seeds of the papers' suites: SEED, SEED + 1, …")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--fresh", arguments.fresh, "run again what the results hold already");
+  return command;
+}
+
+namespace {
+
+RunnerOptions runner_options(const BenchArguments& arguments) {
+  RunnerOptions options;
+  options.backends = backends_of(arguments.backends);
+  options.solver.threads = arguments.threads;
+  options.solver.cost_tolerance = arguments.tolerance;
+  options.solver.time_limit = arguments.time_limit;
+  options.solver.validate();
+  options.repetitions = arguments.repetitions;
+  options.seed = arguments.seed;
+  options.runs = arguments.runs;
+  options.fresh = arguments.fresh;
+  return options;
+}
+
+void print_rules(std::ostream& out, const Suite& suite, const RunnerOptions& options) {
+  out << "== " << suite.name << ": " << suite.what << "\n"
+      << "Same start, same cost function (Graph::cost) and same stopping rule for all: a step that lowers the cost by less than "
+      << options.solver.cost_tolerance << " of it, or " << suite.max_iterations << " iterations, or " << options.solver.time_limit
+      << " s.\n";
+  out << "Seed " << options.seed << ", threads " << options.solver.threads << ", seconds: the whole solve() call, median of "
+      << options.repetitions << " in turn where it takes less than " << kFast << " s, else one. Commit " << commit() << ", "
+      << machine()["cpu"].get<std::string>() << ", " << machine()["cores"] << " cores.\n";
+}
+
+void print_result(std::ostream& out, const SuiteResult& result, const std::string& path) {
+  if (!result.lines.empty()) print_suite(out, result.lines);
+  print_differences(out, result.lines);
+  for (const std::string& skipped : result.skipped) out << "skipped " << skipped << '\n';
+  if (result.taken > 0)
+    out << result.taken << " runs were there already (same commit, machine, options and seed); --fresh runs them again\n";
+  if (!result.lines.empty()) out << "results: " << path << '\n';
+  out << std::endl;
+}
+
+}  // namespace
+
+int bench(const BenchArguments& arguments, Terminal& terminal) {
+  const std::vector<Suite> chosen = suites_of(arguments.suites);
+  const RunnerOptions options = runner_options(arguments);
+  std::error_code error;
+  fs::create_directories(arguments.out, error);
+  if (error) fail<BadFile>("cannot make the directory ", arguments.out, ": ", error.message(), "; give another with --out");
+  bool all_is_well = true;
+  for (const Suite& suite : chosen) {
+    if (suite.race != nullptr) {
+      Journal journal((fs::path(arguments.out) / (std::string(suite.name) + ".jsonl")).string());
+      if (!suite.race(options, journal, terminal)) all_is_well = false;
+      continue;
+    }
+    print_rules(terminal.out, suite, options);
+    terminal.out.flush();
+    Journal journal((fs::path(arguments.out) / (std::string(suite.name) + ".jsonl")).string());
+    ProgressBar bar(terminal, suite.cases(options.seed).size() * options.backends.size());
+    const SuiteResult result = run_suite(suite, options, journal, bar);
+    bar.clear();
+    print_result(terminal.out, result, journal.path());
+    for (const std::string& broken : result.broken) terminal.err << "holdfast: " << broken << '\n';
+    if (!result.broken.empty()) all_is_well = false;
+    for (const Json& line : result.lines)
+      if (line["termination"] == "failed") all_is_well = false;
+  }
+  return all_is_well ? kDone : kFailed;
+}
+
+}  // namespace holdfast::program

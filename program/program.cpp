@@ -1,0 +1,84 @@
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <holdfast/program/program.hpp>
+#include <holdfast/common/hosts.hpp>
+#include <holdfast/common/log.hpp>
+#include <holdfast/common/machine.hpp>
+#include <holdfast/solvers/backend.hpp>
+#include <iostream>
+
+namespace holdfast::program {
+
+
+std::vector<std::string> backends_of(const std::string& list) {
+  const std::vector<std::string> known = backend_names();
+  const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  std::vector<std::string> chosen;
+  const auto choose = [&](const std::string& name) {
+    if (!contains(chosen, name)) chosen.push_back(name);
+  };
+  std::istringstream parts(list);
+  for (std::string part; std::getline(parts, part, ',');) {
+    if (part == "all") {
+      for (const char* name : {"ceres", "irls", "nesterov"})
+        if (contains(known, name)) choose(name);
+      for (const std::string& name : known)
+        if (name.rfind("ceres-", 0) != 0) choose(name);
+    } else {
+      make_backend(part);  // BadOption lists the names
+      choose(part);
+    }
+  }
+  if (chosen.empty()) fail<BadOption>("--backend names no back-end; give a list such as ceres,irls or all");
+  return chosen;
+}
+
+int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err) {
+  register_hosts();
+  CLI::App app{"holdfast: robust state estimation for many robots, on back-ends that compare", "holdfast"};
+  app.set_version_flag("--version", "holdfast " HOLDFAST_VERSION " (" + commit() + ")");
+  bool verbose = false;
+  app.add_flag("-v,--verbose", verbose, "log what is going on (stderr)");
+  app.require_subcommand(1);
+  app.fallthrough();
+  SolveArguments solve_arguments;
+  CheckArguments check_arguments;
+  BenchArguments bench_arguments;
+  const CLI::App* solve_command = add_solve(app, solve_arguments);
+  TrackArguments track_arguments;
+  const CLI::App* track_command = add_track(app, track_arguments);
+  const CLI::App* check_command = add_check(app, check_arguments);
+  add_bench(app, bench_arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error, out, err) == 0 ? kDone : kUsage;
+  }
+
+  start_log(verbose);
+  Terminal terminal{out, err, &err == &std::cerr && ::isatty(STDERR_FILENO) != 0};
+  const auto run_command = [&] {
+    if (solve_command->parsed()) return solve(solve_arguments, terminal);
+    if (track_command->parsed()) return track(track_arguments, std::cin, terminal);
+    if (check_command->parsed()) return check_file(check_arguments, terminal);
+    return bench(bench_arguments, terminal);
+  };
+  try {
+    const int code = run_command();
+    if (out.flush()) return code;
+    err << "holdfast: cannot write all of the results to the standard output; is the disk full?\n";
+    return kFailed;
+  } catch (const BadOption& error) {
+    err << "holdfast: " << error.what() << '\n';
+    return kUsage;
+  } catch (const std::exception& error) {
+    err << "holdfast: " << error.what() << '\n';
+    return kFailed;
+  }
+}
+
+}  // namespace holdfast::program

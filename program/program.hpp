@@ -1,0 +1,87 @@
+// The program `holdfast`: solve, track, check, bench. main() only calls run(), so that tests run the same in their own process.
+#pragma once
+
+#include <CLI/App.hpp>
+#include <holdfast/benchmarks/suites/suites.hpp>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace holdfast::program {
+
+using namespace common;
+using namespace bench;
+
+/// What the program returns to the shell.
+enum Exit : int {
+  kDone = 0,
+  kFailed = 1,  ///< a bad file, a problem without a usable answer, an output that cannot be written
+  kUsage = 2    ///< a command line that makes no sense; nothing was run
+};
+
+/// Never throws, never aborts for bad input: whatever is wrong is a message on `err` and an exit code.
+int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err);
+
+struct SolveArguments {
+  std::vector<std::string> files;
+  std::string backends = "all";
+  std::string loss = "squared";
+  std::string start = "file";
+  int threads = 1;
+  int max_iterations = 0;
+  double tolerance = 1e-6;
+  double time_limit = 0;  ///< [s]; 0: none
+  unsigned seed = 0;
+  std::string json;
+  std::string tum;
+};
+CLI::App* add_solve(CLI::App& app, SolveArguments& arguments);
+int solve(const SolveArguments& arguments, Terminal& terminal);
+
+struct TrackArguments {
+  std::string file;  ///< "-": standard input
+  double lag = 20;  ///< [s]
+  std::string backend = "irls";
+  std::string loss = "huber:2";
+  std::string leaving = "marginalize";
+  std::string format = "json";
+  std::string states = "newest";
+  double tolerance = 1e-6;
+  int threads = 1;
+  unsigned seed = 0;
+  double landmark_sigma = 1;  ///< [m]
+  std::string save;
+  std::uint64_t save_every = 100;  ///< steps
+  bool resume = false;
+  bool strict = false;
+};
+CLI::App* add_track(CLI::App& app, TrackArguments& arguments);
+/// Reads `in` where the file is "-".
+int track(const TrackArguments& arguments, std::istream& in, Terminal& terminal);
+
+struct CheckArguments {
+  std::string file;
+};
+CLI::App* add_check(CLI::App& app, CheckArguments& arguments);
+int check_file(const CheckArguments& arguments, Terminal& terminal);
+
+struct BenchArguments {
+  std::vector<std::string> suites;
+  std::string out = "bench-out";
+  std::string backends = "all";
+  int threads = 1;
+  double tolerance = 1e-10;
+  double time_limit = 60;  ///< [s] a solve
+  int repetitions = 3;
+  unsigned seed = 1;
+  unsigned runs = 20;
+  bool fresh = false;
+};
+CLI::App* add_bench(CLI::App& app, BenchArguments& arguments);
+int bench(const BenchArguments& arguments, Terminal& terminal);
+
+/// The back-ends of a comma-separated list, each once; "all": ceres, irls, nesterov (those there are), then any other but the variants
+/// of Ceres, which are there to be named. Throws BadOption.
+std::vector<std::string> backends_of(const std::string& list);
+
+}  // namespace holdfast::program

@@ -1,0 +1,164 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <holdfast/program/program.hpp>
+#include <holdfast/common/log.hpp>
+#include <holdfast/common/progress_bar.hpp>
+#include <holdfast/common/report.hpp>
+#include <holdfast/graph/files/atomic.hpp>
+#include <holdfast/graph/files/tum.hpp>
+#include <set>
+
+namespace holdfast::program {
+
+namespace fs = std::filesystem;
+
+CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
+  CLI::App* command = app.add_subcommand("solve", "solve the problems of files under several back-ends, side by side");
+  command->add_option("FILE", arguments.files, "PyFG, g2o or TORO files, MRPT's .graph and .rawlog")->required();
+  command->add_option("--backend", arguments.backends, "comma-separated names, or all")->capture_default_str();
+  command->add_option("--loss", arguments.loss, "of every measurement but the odometry between consecutive poses: huber:2, cauchy:1, …")
+      ->capture_default_str();
+  command
+      ->add_option("--start", arguments.start,
+                   "file: its vertices; odometry: dead reckoning; chordal: rotations first, as a linear problem; convex: positions from "
+                   "nothing, by the convex relaxation of the ranges, rotations as chordal")
+      ->check(CLI::IsMember({"file", "odometry", "chordal", "convex"}))
+      ->capture_default_str();
+  command->add_option("--threads", arguments.threads)->capture_default_str();
+  command->add_option("--max-iterations", arguments.max_iterations, "0: the back-end's own limit")->capture_default_str();
+  command->add_option("--tolerance", arguments.tolerance, "relative decrease of the cost that ends a solve")->capture_default_str();
+  command->add_option("--time-limit", arguments.time_limit, "seconds a solve; 0: none")->capture_default_str();
+  command->add_option("--seed", arguments.seed, "of the landmarks' start under --start odometry")->capture_default_str();
+  command->add_option("--json", arguments.json, "write one JSON object a run, one a line");
+  command->add_option("--tum", arguments.tum, "write the trajectories to DIR/<file>_<back-end>/<agent>.tum");
+  return command;
+}
+
+namespace {
+
+/// What the arguments mean; made before any work, so that a typing error costs nothing.
+struct Plan {
+  ProblemOptions problem;
+  std::vector<std::string> backends;
+  Options options;
+};
+
+Plan plan_of(const SolveArguments& arguments) {
+  Plan plan;
+  plan.problem.loss = Loss::parse(arguments.loss);
+  plan.problem.start = start_named(arguments.start);
+  plan.problem.seed = arguments.seed;
+  plan.backends = backends_of(arguments.backends);
+  plan.options.threads = arguments.threads;
+  plan.options.max_iterations = arguments.max_iterations;
+  plan.options.cost_tolerance = arguments.tolerance;
+  if (arguments.time_limit != 0) plan.options.time_limit = arguments.time_limit;
+  plan.options.validate();
+  const fs::path json = arguments.json;
+  if (!json.empty() && fs::is_directory(json)) fail<BadOption>("--json ", arguments.json, " is a directory; name a file");
+  if (!json.empty() && json.has_parent_path() && !fs::is_directory(json.parent_path()))
+    fail<BadOption>("--json ", arguments.json, ": there is no directory ", json.parent_path().string(), "; make it first");
+  return plan;
+}
+
+/// A name of its own for each file, also where two of different directories are called the same.
+std::vector<std::string> stems_of(const std::vector<std::string>& files) {
+  std::set<std::string> taken;
+  std::vector<std::string> stems;
+  for (const std::string& file : files) {
+    const std::string stem = fs::path(file).stem().string();
+    std::string name = stem;
+    for (int i = 2; !taken.insert(name).second; ++i) name = stem + "-" + std::to_string(i);
+    stems.push_back(name);
+  }
+  return stems;
+}
+
+class Solver {
+ public:
+  Solver(const SolveArguments& arguments, Terminal& terminal)
+      : arguments_(arguments),
+        plan_(plan_of(arguments)),
+        terminal_(terminal),
+        bar_(terminal, arguments.files.size() * plan_.backends.size()) {}
+
+  int solve_all() {
+    const std::vector<std::string> stems = stems_of(arguments_.files);
+    for (std::size_t i = 0; i < stems.size(); ++i) try_file(arguments_.files[i], stems[i]);
+    bar_.clear();
+    write_json();
+    return all_is_well_ ? kDone : kFailed;
+  }
+
+ private:
+  void try_file(const std::string& file, const std::string& stem) {
+    try {
+      bar_.begin("reading " + file);
+      const FileProblem problem = load(file, plan_.problem);
+      solve_file(file, stem, problem);
+    } catch (const std::exception& error) {  // a bad file does not stop the others
+      bar_.clear();
+      terminal_.err << "holdfast: " << error.what() << '\n';
+      all_is_well_ = false;
+    }
+  }
+
+  void solve_file(const std::string& file, const std::string& stem, const FileProblem& problem) {
+    if (!problem.unknown.empty()) terminal_.err << "holdfast: warning: " << problem.unknown << '\n';
+    log(file + ": " + std::to_string(problem.instance.start.size()) + " variables, " + std::to_string(problem.instance.graph.size()) +
+        " factors");
+    std::vector<Json> runs;
+    for (const std::string& backend : plan_.backends) {
+      bar_.begin(file + " " + backend);
+      Task task{file, plan_.problem.loss.str(), arguments_.start, backend, arguments_.seed, plan_.options};
+      task.options.progress = bar_.callback();
+      Values answer;
+      const Run run = run_task(task, problem.instance, answer);
+      log(file + " " + backend + ": " + run.summary.str());
+      if (!run.summary.usable()) all_is_well_ = false;
+      runs.push_back(to_json(run));
+      bar_.done_with_one();
+      if (run.summary.usable() && !arguments_.tum.empty())
+        write_tum_directory((fs::path(arguments_.tum) / (stem + "_" + backend)).string(), answer, problem.times);
+    }
+    bar_.clear();
+    print(file, problem, runs);
+    lines_.insert(lines_.end(), runs.begin(), runs.end());
+  }
+
+  void print(const std::string& file, const FileProblem& problem, const std::vector<Json>& runs) {
+    const Instance& instance = problem.instance;
+    terminal_.out << file << ": " << instance.start.size() << " variables, " << instance.graph.size() << " factors, loss "
+                  << plan_.problem.loss.str() << ", start " << arguments_.start;
+    if (arguments_.start == "odometry") terminal_.out << " (seed " << arguments_.seed << ")";
+    terminal_.out << ", tolerance " << arguments_.tolerance << ", threads " << arguments_.threads << '\n';
+    if (!problem.start.empty()) terminal_.out << "start: " << problem.start << '\n';
+    print_solve(terminal_.out, runs);
+    print_differences(terminal_.out, runs);
+    terminal_.out << std::endl;
+  }
+
+  /// Whole, or not there: without a run there is nothing to say, and what an earlier call left would be mistaken for this one's.
+  void write_json() const {
+    if (arguments_.json.empty()) return;
+    std::string text;
+    for (const Json& line : lines_) text += to_line(line);
+    if (!text.empty())
+      atomic_write(arguments_.json, text);
+    else if (fs::is_regular_file(arguments_.json))
+      fs::remove(arguments_.json);
+  }
+
+  const SolveArguments& arguments_;
+  Plan plan_;
+  Terminal& terminal_;
+  ProgressBar bar_;
+  std::vector<Json> lines_;
+  bool all_is_well_ = true;
+};
+
+}  // namespace
+
+int solve(const SolveArguments& arguments, Terminal& terminal) { return Solver(arguments, terminal).solve_all(); }
+
+}  // namespace holdfast::program

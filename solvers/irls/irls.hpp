@@ -1,0 +1,51 @@
+// The in-house second-order back-end: iteratively re-weighted least squares as damped Gauss–Newton on the manifold.
+//
+// Each iteration weighs every term by w ρ'(s) (or by Newton's curvature, Options::reweighting), builds H and g, and factors H once, by
+// sparse Cholesky. The step is Powell's dogleg: H δ = −g in full as long as steps do what the model says (Gauss–Newton), bent
+// towards −D⁻¹g, D = diag H, where they do not; a step that fails costs one evaluation, not a factorisation. Where residuals are
+// curved, the step follows them to second order (geodesic acceleration). An H that is not positive definite is damped by λ D.
+// Where every factor is linear, Jacobians are computed once and residuals move along r + α J δ, so that the line search along δ
+// is exact and costs next to nothing.
+// Where a step fails, or lowers the cost by less than half or more than one and a half times what the model said, on a graph of poses
+// alone, the start is poor, or the valley is. The chordal start (graph/starts/chordal.hpp) is then tried: at once where it costs less than the
+// best values so far, otherwise after the descent from the given start, and the lower end of the two is the answer (Options::restart).
+// A solver object keeps the resolved problem, the ordering and the symbolic factorisation, and uses them again as long as
+// neither the graph's nor the values' structure changes.
+#pragma once
+
+#include <holdfast/solvers/backend.hpp>
+
+namespace holdfast {
+
+class Progress;
+class LinearRows;
+
+class Irls final : public Backend {
+ public:
+  explicit Irls(Options chosen = {});
+  ~Irls() override;
+  std::string name() const override { return "irls"; }
+
+ protected:
+  Summary minimize(const Graph& graph, Values& values) override;
+
+ private:
+  struct Workspace;
+  struct Fronts;
+  void minimize_nonlinear(const Graph& graph, Progress& progress);
+  void descend_nonlinear(const Graph& graph, Progress& progress);
+  double linearize(const Graph& graph, Progress& progress);
+  bool restart(const Graph& graph, Progress& progress);
+  void descend_from_other_start(const Graph& graph, Progress& progress);
+  bool step_nonlinear(const Graph& graph, Progress& progress, double gradient_norm, bool& full);
+  void minimize_linear(const Graph& graph, Progress& progress);
+  void minimize_rows(const Graph& graph, Values& values, Progress& progress);
+  template <class Model>
+  void descend(const Graph& graph, const Values& start, Model& model, Progress& progress);
+  Curvature curvature(const Graph& graph, bool linear) const;
+
+  std::unique_ptr<Workspace> workspace_;
+  std::unique_ptr<LinearRows> rows_;
+};
+
+}  // namespace holdfast

@@ -1,0 +1,136 @@
+// The structure of a LinearRows: which entries are not 0, in what order unknowns are eliminated, where products go.
+#include <algorithm>
+#include <holdfast/solvers/linear/internal/linear_rows.hpp>
+
+namespace holdfast {
+namespace {
+
+constexpr double kThin = 32;  // root mean square width of the envelope: up to here fronts do not pay
+
+}  // namespace
+
+bool LinearRows::weighs_whole_blocks(const FactorBatch& batch) {
+  return batch.loss().kind != Loss::Kind::Squared && !batch.loss().per_component && batch.residual_dim() > 1;
+}
+
+bool LinearRows::pattern_holds() const {
+  bool holds = true;
+  for (std::size_t k = 0; k < J_.size(); ++k) holds &= in_pattern_[k] || J_[k] == 0;
+  return holds;
+}
+
+void LinearRows::find_pattern(const Graph& graph) {
+  variable_of_.clear();
+  for (std::size_t v = 0; v < resolved_.variables().size(); ++v)
+    if (resolved_.variables()[v].offset >= 0) variable_of_.insert(variable_of_.end(), resolved_.variables()[v].dim, static_cast<int>(v));
+  in_pattern_.assign(J_.size(), 0);
+  row_begin_.assign(1, 0);
+  unknown_.clear();
+  source_.clear();
+  for (std::size_t b = 0; b < parts_.size(); ++b) {
+    const FactorBatch& batch = *graph.batches()[b];
+    for (int i = 0; i < batch.size(); ++i)
+      for (int m = 0; m < batch.residual_dim(); ++m) add_row(batch, parts_[b], i, m);
+  }
+  for (std::size_t b = 0; b < parts_.size(); ++b) {
+    const FactorBatch& batch = *graph.batches()[b];
+    if (!weighs_whole_blocks(batch)) continue;
+    for (int i = 0; i < batch.size(); ++i) add_row(batch, parts_[b], i, -1);
+  }
+  value_.assign(unknown_.size(), 0.0);
+  for (std::vector<double>* weights : {&gradient_weight_, &hessian_weight_}) weights->assign(row_begin_.size() - 1, 0.0);
+}
+
+// Row −1: the union of the factor's rows, whose values change with the residual; their source is a column of J.
+void LinearRows::add_row(const FactorBatch& batch, const Part& part, int factor, int row) {
+  const int M = batch.residual_dim(), N = batch.total_dim();
+  const double* J = &J_[part.first_jacobian + static_cast<std::size_t>(factor) * M * N];
+  const int* const variables = &resolved_.batches()[&part - parts_.data()].variable[static_cast<std::size_t>(factor) * batch.arity()];
+  int n = 0;
+  for (int k = 0; k < batch.arity(); ++k) {
+    const int offset = resolved_.variables()[variables[k]].offset;
+    for (int c = 0; c < batch.dims()[k]; ++c, ++n) {
+      const double* column = J + static_cast<std::size_t>(n) * M;
+      if (row >= 0) in_pattern_[column + row - J_.data()] = column[row] != 0 || offset < 0;
+      const bool present = row >= 0 ? column[row] != 0 : std::any_of(column, column + M, [](double x) { return x != 0; });
+      if (offset < 0 || !present) continue;
+      unknown_.push_back(offset + c);
+      source_.push_back(static_cast<int>(column - J_.data()) + std::max(row, 0));
+    }
+  }
+  row_begin_.push_back(static_cast<int>(unknown_.size()));
+}
+
+// Cuthill–McKee on the graph of the unknowns, from an end of each connected part.
+void LinearRows::order_unknowns() {
+  const int n = resolved_.tangent_dim();
+  rows_begin_.assign(n + 2, 0);
+  for (int u : unknown_) ++rows_begin_[u + 2];
+  for (int u = 0; u < n; ++u) rows_begin_[u + 2] += rows_begin_[u + 1];
+  rows_of_.resize(unknown_.size());
+  for (std::size_t row = 0; row + 1 < row_begin_.size(); ++row)
+    for (int k = row_begin_[row]; k < row_begin_[row + 1]; ++k) rows_of_[rows_begin_[unknown_[k] + 1]++] = static_cast<int>(row);
+  order_.clear();
+  seen_.assign(n, 0);
+  for (int start = 0; start < n; ++start) {
+    if (seen_[start]) continue;
+    const std::size_t first = order_.size();
+    visit(start);
+    const int end = order_.back();
+    while (order_.size() > first) {
+      seen_[order_.back()] = 0;
+      order_.pop_back();
+    }
+    visit(end);
+  }
+  position_.resize(n);
+  for (int i = 0; i < n; ++i) position_[order_[i]] = i;
+}
+
+void LinearRows::visit(int start) {
+  std::size_t next = order_.size();
+  const auto reach = [&](int u) {
+    if (seen_[u]) return;
+    seen_[u] = 1;
+    order_.push_back(u);
+  };
+  reach(start);
+  for (; next < order_.size(); ++next) {
+    const int u = order_[next];
+    for (const bool own : {true, false})  // the other unknowns of the same variable first
+      for (int k = rows_begin_[u]; k < rows_begin_[u + 1]; ++k)
+        for (int e = row_begin_[rows_of_[k]]; e < row_begin_[rows_of_[k] + 1]; ++e)
+          if (!own || variable_of_[unknown_[e]] == variable_of_[u]) reach(unknown_[e]);
+  }
+}
+
+bool LinearRows::lay_out_matrix() {
+  const int n = resolved_.tangent_dim();
+  for (int& u : unknown_) u = position_[u];
+  first_.resize(n);
+  for (int i = 0; i < n; ++i) first_[i] = i;
+  for (std::size_t row = 0; row + 1 < row_begin_.size(); ++row) {
+    const auto begin = unknown_.begin() + row_begin_[row], end = unknown_.begin() + row_begin_[row + 1];
+    if (begin == end) continue;
+    const int least = *std::min_element(begin, end);
+    for (auto u = begin; u != end; ++u) first_[*u] = std::min(first_[*u], least);
+  }
+  double work = 0;
+  for (int i = 0; i < n; ++i) work += (i - first_[i] + 1.0) * (i - first_[i] + 1.0);
+  return work <= kThin * kThin * n;
+}
+
+void LinearRows::lay_out_products() {
+  cholesky_.set_layout(first_);
+  pair_begin_.clear();
+  place_.clear();
+  for (std::size_t row = 0; row + 1 < row_begin_.size(); ++row) {
+    pair_begin_.push_back(static_cast<int>(place_.size()));
+    for (int a = row_begin_[row]; a < row_begin_[row + 1]; ++a)
+      for (int b = row_begin_[row]; b <= a; ++b)
+        place_.push_back(cholesky_.place(std::max(unknown_[a], unknown_[b]), std::min(unknown_[a], unknown_[b])));
+  }
+  for (std::vector<double>* v : {&gradient_, &damping_, &step_, &total_, &tangent_}) v->assign(first_.size(), 0.0);
+}
+
+}  // namespace holdfast

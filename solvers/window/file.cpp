@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <holdfast/graph/files/atomic.hpp>
+#include <holdfast/graph/files/binary.hpp>
+#include <holdfast/graph/files/internal/text.hpp>
+#include <holdfast/solvers/window/window.hpp>
+
+namespace holdfast {
+namespace {
+
+constexpr std::string_view kMagic = "holdfast window\n";
+constexpr std::uint32_t kVersion = 2;
+
+/// FNV-1a, 64 bits.
+std::uint64_t checksum(std::string_view bytes) {
+  std::uint64_t hash = 0xcbf29ce484222325ull;
+  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+  return hash;
+}
+
+// magic, version, size of the payload, payload, checksum of all before.
+std::string sealed(std::string_view payload) {
+  io::ByteWriter out;
+  out.put(kMagic.data(), kMagic.size()).put(kVersion).put<std::uint64_t>(payload.size()).put(payload.data(), payload.size());
+  const std::uint64_t sum = checksum(out.bytes());
+  return out.put(sum).bytes();
+}
+
+std::string_view unsealed(std::string_view file) {
+  constexpr std::size_t kHead = kMagic.size() + sizeof(std::uint32_t) + sizeof(std::uint64_t);
+  if (file.substr(0, kMagic.size()) != kMagic) fail<BadFile>("it is no file of a holdfast window");
+  io::ByteReader head(file.substr(kMagic.size()));
+  const auto version = head.get<std::uint32_t>();
+  if (version != kVersion) fail<BadFile>("it is of version ", version, ", and this program reads version ", kVersion);
+  const auto size = head.get<std::uint64_t>();
+  if (file.size() < kHead + sizeof(std::uint64_t) || size != file.size() - kHead - sizeof(std::uint64_t))
+    fail<BadFile>("it is torn: ", file.size(), " bytes, where its head says ", kHead + size + sizeof(std::uint64_t));
+  io::ByteReader tail(file.substr(kHead + size));
+  if (tail.get<std::uint64_t>() != checksum(file.substr(0, kHead + size))) fail<BadFile>("its checksum is wrong: bytes of it have changed");
+  return file.substr(kHead, size);
+}
+
+}  // namespace
+
+void Window::save(const std::string& path, std::string_view note) const {
+  io::ByteWriter out;
+  io::write_binary(out, graph_, values_);
+  out.put(newest_).put(note);
+  out.put<std::uint64_t>(agents_.size());
+  for (const Agent& agent : agents_) {
+    out.put(agent.letter).put(std::string_view(agent.motion ? agent.motion->name() : "")).put(agent.next_index);
+    out.put<std::uint64_t>(agent.states.size());
+    for (const State& state : agent.states) {
+      const Graph::Place place = state.motion.number >= 0 ? graph_.place(state.motion) : Graph::Place{};
+      out.put(state.key).put(state.time).put<std::int32_t>(place.batch).put<std::int32_t>(place.index);
+    }
+  }
+  atomic_write(path, sealed(out.bytes()));
+}
+
+std::string Window::restore(const std::string& path) {
+  const std::string file = io::read_file(path);
+  try {
+    io::ByteReader in(unsealed(file));
+    Graph graph;
+    Values values;
+    io::read_binary(in, graph, values);
+    const auto newest = in.get<double>();
+    std::string note = in.get_text();
+    std::vector<Agent> agents;
+    for (std::size_t count = in.get_count(1); count > 0; --count) {
+      Agent agent{in.get<char>(), nullptr, {}, 0};
+      const std::string motion = in.get_text();
+      if (std::any_of(agents.begin(), agents.end(), [&](const Agent& a) { return a.letter == agent.letter; }))
+        fail<BadFile>("it holds agent ", std::string(1, agent.letter), " twice");
+      const Agent* const mine = find(agent.letter);
+      const std::string my_motion = mine != nullptr && mine->motion ? mine->motion->name() : "";
+      if (my_motion != motion)
+        fail<BadFile>("its agent ", std::string(1, agent.letter), " moves by ", motion.empty() ? "odometry" : motion, ", here by ",
+                      my_motion.empty() ? "odometry" : my_motion, "; add_agent() the same as when it was saved");
+      agent.next_index = in.get<std::uint64_t>();
+      for (std::size_t states = in.get_count(sizeof(double)); states > 0; --states) {
+        const Key key = in.get_key();
+        const auto time = in.get<double>();
+        const auto batch = in.get<std::int32_t>(), index = in.get<std::int32_t>();
+        values.slot(key);
+        if (batch >= static_cast<int>(graph.batches().size()) || (batch >= 0 && (index < 0 || index >= graph.batches()[batch]->size())))
+          fail<BadFile>("a state's motion is factor ", index, " of batch ", batch, ", which it does not hold");
+        agent.states.push_back({key, time, batch >= 0 ? graph.id_of(batch, index) : FactorId{}});
+      }
+      agents.push_back(std::move(agent));
+    }
+    for (const Agent& mine : agents_)
+      if (mine.motion && std::none_of(agents.begin(), agents.end(), [&](const Agent& a) { return a.letter == mine.letter; }))
+        agents.push_back({mine.letter, nullptr, {}, 0});
+    for (Agent& agent : agents)  // nothing can fail from here on
+      if (Agent* const mine = find(agent.letter)) agent.motion = std::move(mine->motion);
+    agents_ = std::move(agents);
+    graph_ = std::move(graph);
+    values_ = std::move(values);
+    newest_ = newest;
+    step_ = {};
+    return note;
+  } catch (const Error& error) {
+    fail<BadFile>("cannot resume from ", path, ": ", error.what());
+  }
+}
+
+}  // namespace holdfast

@@ -1,0 +1,246 @@
+// A sliding window: a fixed-lag smoother over any variables and factors, on any back-end.
+//
+//   WindowOptions options;
+//   options.lag = 5;                                                             // [s]
+//   Window window(options);
+//   window.add_agent('A', WhiteAcceleration<Motion2>::exact(0.1, 1, R), 0.1);    // how A moves in one step of 0.1 s
+//   window.add_state(A(0), t0, Motion2(…));                                      // its first state
+//   window.add(Prior<Motion2>::from_sigmas(…), {A(0)});
+//   window.add_landmark(L(0), Point2(3, 4));
+//   while (…) {
+//     window.add(Range<Motion2, Point2>{12.3, 0.5}, {window.at('A', t), L(0)}, Huber{2});   // t: when it was measured
+//     const WindowStep& step = window.step(now);
+//     … window.newest<Motion2>('A') …
+//   }
+//
+// Agents without a motion model bring their odometry along: add_state(A(8), t, A(7), Between<Pose2>{…}).
+//
+// Time. Measurements come in any order. at(agent, t) is the agent's state at t, made where there is none: tied by the motion to the state
+// before it and, if it is late, to the one after it, whose own motion from before is split. Times as old as the lag are refused by name
+// (BadTime), and the window goes on as if they had not come. A state leaves when the NEXT one of its agent is as old as the lag: so any
+// time inside the lag has a place, and the newest state of a silent agent stays until the agent comes back or is removed.
+// Missing data. An agent's newest state that nothing but its motion ties is replaced, when the next one comes, by one motion factor over
+// both: m steps without a measurement are one exact factor, F::merged(m), and no state.
+// What leaves is marginalised (solvers/window/marginalize.hpp), robust terms at their current weights, or dropped.
+// Nothing is allocated in a steady state but what the back-end and the answers that were asked for (covariances, report) allocate.
+#pragma once
+
+#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/detail/clock.hpp>
+#include <holdfast/solvers/window/marginalize.hpp>
+#include <holdfast/solvers/marginals.hpp>
+#include <holdfast/solvers/window/detail/motion_model.hpp>
+#include <holdfast/solvers/outlier_report.hpp>
+
+namespace holdfast {
+
+struct WindowOptions {
+  enum class Leaving { marginalize, drop };
+
+  double lag = std::numeric_limits<double>::infinity();       ///< > 0 [s]
+  int max_states = 0;                    ///< >= 0: that stay of each agent after a step; 0: no limit
+  Leaving leaving = Leaving::marginalize;
+  bool collapse = true;                  ///< of m empty steps one motion factor; false: keep a state for each
+  std::string backend = "irls";          ///< backend_names()
+  Options solver;
+  bool covariances = false;              ///< WindowStep::marginals
+  bool report = false;                   ///< WindowStep::report
+  double deadline = std::numeric_limits<double>::infinity();  ///< > 0 [s] of a step: the solve is cut short to keep it
+  double max_gap = std::numeric_limits<double>::infinity();   ///< > 0 [s]: a time stamp this far ahead of the newest is refused
+  std::function<void(Key key, double time)> on_leaving;  ///< called before a state leaves, its last estimate still in values()
+
+  /// Throws BadOption with field, value and rule.
+  void validate() const;
+};
+
+struct WindowStep {
+  double time = 0;                       ///< [s] now
+  Summary summary;                       ///< of the solve
+  std::vector<Key> left;                 ///< the states that left
+  std::vector<std::string> removed;      ///< factors whose residual was not finite: taken out, in words, and the rest solved
+  std::optional<Marginals> marginals;    ///< at the answer, before anything left; if asked for. None where H is not finite
+  std::vector<MeasurementReport> report; ///< the same
+  struct Seconds {
+    double add = 0;          ///< all add…() and at() since the last step
+    double solve = 0, covariances = 0, report = 0, marginalize = 0;
+    double total() const { return add + solve + covariances + report + marginalize; }
+  } seconds;
+  bool deadline_kept = true;             ///< total() <= options.deadline
+};
+
+class Window {
+ public:
+  explicit Window(WindowOptions options = {});
+  Window(Window&&) noexcept;
+  Window& operator=(Window&&) noexcept;
+  ~Window();
+
+  // ---- agents come and go. Throws BadKey where the letter is taken, or not there.
+
+  /// Its motion: a factor for one step of dt [s], with merged(m) for m steps; or make(seconds), a factor for any time.
+  template <class F>
+  void add_agent(char letter, const F& one_step, double dt, const Loss& loss = {}) {
+    enter_agent(letter, std::make_unique<SteppedMotion<F>>(one_step, dt, loss));
+  }
+  template <class Make>
+  void add_agent(char letter, Make make, const Loss& loss = {}) {
+    enter_agent(letter, std::make_unique<TimedMotion<Make>>(std::move(make), loss));
+  }
+  /// All its states leave now.
+  void remove_agent(char letter);
+  bool has_agent(char letter) const { return find(letter) != nullptr; }
+
+  // ---- states and landmarks. Throws BadTime, BadKey.
+
+  /// A state with a start value: the first of an agent, or one of an agent without a motion model.
+  template <class V>
+  void add_state(Key key, double time, const V& start) {
+    const Lap lap(*this);
+    require_new_state(key, time);
+    values_.insert(key, start);
+    enter_new(key, time);
+  }
+  /// A state that odometry leads to: its start is where the factor on {from, key} points.
+  template <class F>
+  void add_state(Key key, double time, Key from, const F& odometry, const Loss& loss = {}) {
+    const Lap lap(*this);
+    using V = typename F::Variables::template type<0>;
+    require_new_state(key, time);
+    const V start = predict(odometry, values_.at<V>(from));
+    const FactorId id = graph_.add(odometry, {from, key}, loss);
+    values_.insert(key, start);
+    enter_new(key, time, id);
+  }
+  /// The agent's state at this time; made, if there is none, from its motion.
+  Key at(char letter, double time);
+  /// A variable without a time: it stays until it is removed.
+  template <class V>
+  void add_landmark(Key key, const V& start) {
+    require_no_agent(key);
+    values_.insert(key, start);
+  }
+  /// A landmark that is known: a constant.
+  template <class V>
+  void add_beacon(Key key, const V& known) {
+    add_landmark(key, known);
+    graph_.fix(key);
+  }
+  void remove_landmark(Key key);
+
+  // ---- measurements: as Graph::add. Throws BadKey for a key that is not (or no longer) in the window, BadType, BadNumber.
+
+  template <class F, class... LossAndWeight>
+  FactorId add(const F& factor, const Graph::Keys<F>& keys, const LossAndWeight&... loss_and_weight) {
+    const Lap lap(*this);
+    require_variables<F>(keys, std::make_index_sequence<F::Variables::size>{});
+    return graph_.add(factor, keys, loss_and_weight...);
+  }
+  void remove(FactorId id) { graph_.remove(id); }
+
+  // ---- one step: solve, answer, let the oldest leave.
+
+  /// now [s]: not before the newest state, else that one's time counts. What is returned lives until the next step. Throws BadTime.
+  const WindowStep& step(double now);
+
+  // ---- what is known.
+
+  const Graph& graph() const { return graph_; }
+  const Values& values() const { return values_; }
+  template <class V>
+  const V& state(Key key) const {
+    return values_.at<V>(key);
+  }
+  template <class V>
+  const V& newest(char letter) const {
+    return values_.at<V>(newest_key(letter));
+  }
+  Key newest_key(char letter) const;
+  double time(Key key) const;                 ///< of a state [s]; throws BadKey
+  double newest_time() const { return newest_; }  ///< of all states [s]; −∞ before the first
+  std::vector<Key> states(char letter) const;  ///< oldest first
+  std::string agents() const;                  ///< their letters
+  const WindowStep& last_step() const { return step_; }
+  const WindowOptions& options() const { return options_; }
+
+  // ---- a robot that loses power resumes where it was.
+
+  /// The whole window and a note of yours into a versioned, checksummed file, written whole or not at all. Throws BadFile.
+  void save(const std::string& path, std::string_view note = {}) const;
+  /// Into a window with the same options and the same motion models, whose states it replaces; returns the note. What follows has the
+  /// same bits as if nothing had happened, and FactorIds of before name their factors again. An agent with a motion model that joined
+  /// after the save stays, without states. Throws BadFile where the file is torn, foreign, of another version, or holds an agent with
+  /// another motion or a type that this program does not have; the window is then as it was.
+  std::string restore(const std::string& path);
+
+ private:
+  struct State {
+    Key key;
+    double time;
+    FactorId motion;  ///< from the state before; number −1: none
+  };
+  struct Agent {
+    char letter;
+    std::unique_ptr<MotionModel> motion;  ///< null: it brings its odometry
+    std::vector<State> states;            ///< by time
+    std::uint64_t next_index = 0;
+  };
+  /// Counts the time until the end of the scope as `add`.
+  class Lap {
+   public:
+    explicit Lap(Window& window) : window_(window) {}
+    ~Lap() { window_.seconds_add_ += watch_.seconds(); }
+    Lap(const Lap&) = delete;
+    Lap& operator=(const Lap&) = delete;
+
+   private:
+    Window& window_;
+    Stopwatch watch_;
+  };
+
+  void enter_agent(char letter, std::unique_ptr<MotionModel> motion);
+  const Agent* find(char letter) const;
+  Agent* find(char letter) { return const_cast<Agent*>(static_cast<const Window*>(this)->find(letter)); }
+  const Agent& known(char letter) const;
+  void require_time(double time) const;
+  void require_no_agent(Key key) const;
+  template <class F, std::size_t... I>
+  void require_variables(const Graph::Keys<F>& keys, std::index_sequence<I...>) const {
+    using Vars = typename F::Variables;
+    for (std::size_t i = 0; i < keys.size(); ++i)
+      if (!values_.contains(keys[i])) fail_unknown(keys[i], factor_name<F>());
+    (values_.at<typename Vars::template type<I>>(keys[I]), ...);
+  }
+  [[noreturn]] void fail_unknown(Key key, const std::string& factor) const;
+  void require_new_state(Key key, double time) const;
+  void enter_new(Key key, double time, FactorId odometry = {});
+  /// Where among its agent's states a new one comes, and its motion from the state before and to the one after.
+  struct Place {
+    std::size_t index = 0;
+    FactorId motion, onward;
+  };
+  Place tie(Agent& agent, Key key, double time, int passed_over = 0);
+  void enter(Agent& agent, const State& state, const Place& place);
+  bool is_empty(const State& state) const;
+  bool newest_is_mergeable(const Agent& agent) const;
+  void remove_newest(Agent& agent);
+
+  void solve();
+  bool remove_non_finite();
+  void answer();
+  void let_leave();
+  void leave(Key key);
+  std::unordered_map<Key, double> times() const;
+
+  WindowOptions options_;
+  std::unique_ptr<Backend> backend_;
+  Graph graph_;
+  Values values_;
+  std::vector<Agent> agents_;
+  double newest_ = -std::numeric_limits<double>::infinity();
+  double seconds_add_ = 0;
+  WindowStep step_;
+  Marginalizer marginalizer_;
+  std::vector<Key> gone_;
+};
+
+}  // namespace holdfast

@@ -1,0 +1,218 @@
+#include <gmock/gmock.h>
+
+#include <holdfast/solvers/backend.hpp>
+
+#include "tests/program/helpers.hpp"
+
+namespace holdfast::program {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Solve : public InDirectory {};
+
+TEST_F(Solve, WritesOneObjectARunWithEveryField) {
+  const std::string file = write("two.pyfg", small_pyfg()), json = at("runs.jsonl");
+  const Outcome outcome = holdfast_program({"solve", file, "--backend", "irls,nesterov", "--loss", "huber:2", "--start", "odometry",
+                                            "--tolerance", "1e-10", "--seed", "4", "--json", json});
+  EXPECT_EQ(outcome.code, kDone) << outcome.err;
+  const auto lines = lines_of(json);
+  ASSERT_EQ(lines.size(), 2u);
+  for (const auto& line : lines)
+    for (const char* field :
+         {"file",    "backend",  "loss",      "start",        "cost_first", "cost",          "iterations",      "termination",
+          "seconds", "ate_rmse", "variables", "factors",      "why",        "gradient_norm", "rejected_ranges", "ranges",
+          "seed",    "threads",  "tolerance", "seconds_setup"})
+      EXPECT_TRUE(line.contains(field)) << field;
+  EXPECT_EQ(lines[0]["file"], file);
+  EXPECT_EQ(lines[0]["backend"], "irls");
+  EXPECT_EQ(lines[1]["backend"], "nesterov");
+  EXPECT_EQ(lines[0]["loss"], "huber:2");
+  EXPECT_EQ(lines[0]["start"], "odometry");
+  EXPECT_EQ(lines[0]["termination"], "converged");
+  EXPECT_EQ(lines[0]["variables"], 11);
+  EXPECT_EQ(lines[0]["factors"], 8 + 15 + 2);  // odometry, ranges, the priors that hold the two robots
+  EXPECT_EQ(lines[0]["ranges"], 15);
+  EXPECT_EQ(lines[0]["rejected_ranges"], 1);  // the one of 30 m
+  EXPECT_EQ(lines[0]["seed"], 4);
+  EXPECT_LT(lines[0]["cost"], lines[0]["cost_first"]);
+  EXPECT_LT(lines[0]["ate_rmse"], 0.3);
+  EXPECT_NEAR(lines[0]["cost"], lines[1]["cost"], 1e-5 * lines[0]["cost"].get<double>());
+}
+
+TEST_F(Solve, PrintsARowABackEnd) {
+  const Outcome outcome = holdfast_program({"solve", write("two.pyfg", small_pyfg()), "--loss", "huber:2"});
+  EXPECT_EQ(outcome.code, kDone) << outcome.err;
+  for (const char* text : {"first cost", "ATE [m]", "rejected", "irls", "nesterov", "converged", "1/15", "loss huber:2"})
+    EXPECT_THAT(outcome.out, HasSubstr(text));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("ceres-lm")));
+  EXPECT_EQ(outcome.err, "");
+}
+
+TEST_F(Solve, StartsFromNothing) {
+  std::ostringstream points;  // the vertices are worth nothing: what is known are the priors and the ranges
+  for (int i = 0; i < 5; ++i) points << "VERTEX_XY L" << i << " 1000 -1000\n";
+  const double corners[4][2] = {{0, 0}, {10, 0}, {10, 10}, {0, 10}};
+  for (int i = 0; i < 4; ++i) {
+    points << "VERTEX_XY:PRIOR 0 L" << i << ' ' << corners[i][0] << ' ' << corners[i][1] << " 0.0001 0 0.0001\n";
+    points << "EDGE_RANGE 0 L4 L" << i << ' ' << std::hypot(corners[i][0] - 3, corners[i][1] - 4) << " 0.01\n";
+  }
+  const std::string json = at("runs.jsonl");
+  const Outcome outcome =
+      holdfast_program({"solve", write("points.pyfg", points.str()), "--start", "convex", "--backend", "irls,nesterov", "--json", json});
+  EXPECT_EQ(outcome.code, kDone) << outcome.err;
+  for (const char* text : {"start convex", "at the centroid; convex problem"}) EXPECT_THAT(outcome.out, HasSubstr(text));
+  for (const auto& line : lines_of(json)) {
+    EXPECT_EQ(line["start"], "convex");
+    EXPECT_LT(line["cost"], 1e-6);
+  }
+  const Outcome poses = holdfast_program({"solve", write("two.pyfg", small_pyfg()), "--start", "convex", "--backend", "irls"});
+  EXPECT_EQ(poses.code, kDone) << poses.err;
+  EXPECT_THAT(poses.out, HasSubstr("at the centroid; partly relaxed problem"));
+}
+
+TEST_F(Solve, KnowsNoTruthInG2o) {
+  const std::string json = at("runs.jsonl");
+  EXPECT_EQ(holdfast_program({"solve", write("square.g2o", small_g2o()), "--backend", "irls", "--json", json}).code, kDone);
+  const auto lines = lines_of(json);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_TRUE(lines[0]["ate_rmse"].is_null());
+  EXPECT_EQ(lines[0]["loss"], "squared");
+  EXPECT_EQ(lines[0]["start"], "file");
+  EXPECT_EQ(lines[0]["ranges"], 0);
+}
+
+TEST_F(Solve, GivesTheSameNumbersAgain) {
+  const std::string file = write("two.pyfg", small_pyfg());
+  std::vector<std::string> runs;
+  for (const char* threads : {"1", "2"}) {
+    const std::string json = at(std::string("runs") + threads);
+    holdfast_program({"solve", file, "--backend", "irls,nesterov", "--start", "odometry", "--threads", threads, "--json", json});
+    std::string numbers;
+    for (auto line : lines_of(json)) numbers += line["cost"].dump() + line["ate_rmse"].dump() + line["iterations"].dump() + ' ';
+    runs.push_back(numbers);
+  }
+  EXPECT_EQ(runs[0], runs[1]);
+}
+
+TEST_F(Solve, WritesTrajectoriesByBackEndAndAgent) {
+  const std::string file = write("two.pyfg", small_pyfg());
+  EXPECT_EQ(holdfast_program({"solve", file, "--backend", "irls", "--tum", at("tum")}).code, kDone);
+  for (const char* agent : {"A", "B"}) {
+    const std::string text = text_of(at(std::string("tum/two_irls/") + agent + ".tum"));
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 5) << agent;
+  }
+}
+
+TEST_F(Solve, KeepsTrajectoriesOfFilesOfOneNameApart) {
+  std::filesystem::create_directories(at("a"));
+  std::filesystem::create_directories(at("b"));
+  const std::string one = write("a/two.pyfg", small_pyfg()), other = write("b/two.pyfg", small_pyfg());
+  EXPECT_EQ(holdfast_program({"solve", one, other, "--backend", "irls", "--tum", at("tum")}).code, kDone);
+  EXPECT_TRUE(std::filesystem::exists(at("tum/two_irls/A.tum")));
+  EXPECT_TRUE(std::filesystem::exists(at("tum/two-2_irls/A.tum")));
+}
+
+TEST_F(Solve, ReportsUnknownTags) {
+  const Outcome outcome = holdfast_program({"solve", write("square.g2o", small_g2o() + "EDGE_STRANGE 1 2 3\n"), "--backend", "irls"});
+  EXPECT_EQ(outcome.code, kDone);
+  EXPECT_THAT(outcome.err, HasSubstr("EDGE_STRANGE"));
+}
+
+TEST_F(Solve, StopsAtTheLimitHonestly) {
+  const std::string json = at("runs.jsonl");
+  const Outcome outcome = holdfast_program({"solve", write("two.pyfg", small_pyfg()), "--start", "odometry", "--backend", "irls,nesterov",
+                                            "--max-iterations", "1", "--json", json});
+  EXPECT_EQ(outcome.code, kDone);
+  for (const auto& line : lines_of(json)) {
+    EXPECT_EQ(line["termination"], "iteration limit");
+    EXPECT_EQ(line["iterations"], 1);
+  }
+  EXPECT_THAT(outcome.out, HasSubstr("different ends"));
+}
+
+// ---- bad input
+
+TEST_F(Solve, TriesEveryFileAndFailsForTheBadOnes) {
+  const std::string good = write("two.pyfg", small_pyfg()), json = at("runs.jsonl");
+  const std::string text = small_pyfg();
+  const std::vector<std::pair<std::string, std::string>> bad{
+      {write("empty.g2o", ""), "empty.g2o"},
+      {at("absent.g2o"), "absent.g2o"},
+      {std::filesystem::path(at("x")).parent_path().string(), "directory"},
+      {write("cut.pyfg", text.substr(0, text.size() - 20)), "cut.pyfg"},
+      {write("nan.pyfg", "VERTEX_SE2 0 A0 0 0 nan\n"), "nan.pyfg"},
+      {write("variance.pyfg", "VERTEX_XY L0 0 0\nVERTEX_XY L1 1 0\nEDGE_RANGE 0 L0 L1 1 -2\n"), "variance.pyfg"},
+      {write("unknown_key.pyfg", "VERTEX_XY L0 0 0\nEDGE_RANGE 0 L0 L1 1 2\n"), "unknown_key.pyfg"},
+  };
+  for (const auto& [file, named] : bad) {
+    const Outcome outcome = holdfast_program({"solve", file, good, "--backend", "irls", "--json", json});
+    EXPECT_EQ(outcome.code, kFailed) << file;
+    EXPECT_THAT(outcome.err, HasSubstr(named));
+    EXPECT_THAT(outcome.out, HasSubstr("two.pyfg")) << "the good one is solved all the same";
+    EXPECT_EQ(lines_of(json).size(), 1u);
+  }
+}
+
+TEST_F(Solve, LeavesNoResultsWhereNothingCouldBeRun) {
+  const std::string json = write("runs.jsonl", "old\n");
+  EXPECT_EQ(holdfast_program({"solve", at("absent.g2o"), "--json", json}).code, kFailed);
+  EXPECT_FALSE(std::filesystem::exists(json));
+}
+
+TEST_F(Solve, FailsWhereAProblemHasNoAnswer) {
+  const std::string json = at("runs.jsonl");
+  const Outcome outcome = holdfast_program(
+      {"solve", write("alone.pyfg", "VERTEX_SE2 0 A0 0 0 0\nVERTEX_SE2 1 A1 1 0 0\n"), "--backend", "irls", "--json", json});
+  EXPECT_EQ(outcome.code, kFailed);
+  const auto lines = lines_of(json);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0]["termination"], "failed");
+  EXPECT_THAT(lines[0]["why"].get<std::string>(), HasSubstr("factor"));
+  EXPECT_TRUE(lines[0]["cost"].is_null());
+}
+
+TEST_F(Solve, RefusesACommandLineThatMakesNoSense) {
+  const std::string file = write("two.pyfg", small_pyfg());
+  const std::vector<std::pair<std::vector<std::string>, std::string>> bad{
+      {{"solve"}, "FILE"},
+      {{}, "subcommand"},
+      {{"fly", file}, ""},
+      {{"solve", file, "--backend", "gurobi"}, "irls"},
+      {{"solve", file, "--backend", ""}, "--backend"},
+      {{"solve", file, "--loss", "hubert:2"}, "huber"},
+      {{"solve", file, "--loss", "huber:-1"}, "huber:-1"},
+      {{"solve", file, "--start", "nowhere"}, "odometry"},
+      {{"solve", file, "--threads", "0"}, "threads"},
+      {{"solve", file, "--threads", "many"}, "threads"},
+      {{"solve", file, "--tolerance", "-1"}, "tolerance"},
+      {{"solve", file, "--max-iterations", "-1"}, "max_iterations"},
+      {{"solve", file, "--seed", "-1"}, "seed"},
+      {{"solve", file, "--json", at("absent/runs.jsonl")}, "absent"},
+      {{"solve", file, "--json", at(".")}, "directory"},
+      {{"solve", file, "--frobnicate"}, "frobnicate"},
+  };
+  for (const auto& [arguments, named] : bad) {
+    const Outcome outcome = holdfast_program(arguments);
+    EXPECT_EQ(outcome.code, kUsage) << ::testing::PrintToString(arguments);
+    EXPECT_THAT(outcome.err, HasSubstr(named)) << ::testing::PrintToString(arguments);
+    EXPECT_EQ(outcome.out, "") << ::testing::PrintToString(arguments);
+  }
+}
+
+TEST(Program, SaysWhatItIs) {
+  EXPECT_EQ(holdfast_program({"--help"}).code, kDone);
+  EXPECT_THAT(holdfast_program({"--version"}).out, HasSubstr("holdfast"));
+  EXPECT_THAT(holdfast_program({"bench", "--help"}).out, HasSubstr("scenarios"));
+}
+
+TEST(Backends, AllAreThoseWithoutTheVariantsOfCeres) {
+  for (const std::string& name : backends_of("all")) EXPECT_NE(name.rfind("ceres-", 0), 0u);
+  EXPECT_THAT(backends_of("all"), ::testing::IsSupersetOf({"irls", "nesterov"}));
+  EXPECT_THAT(backends_of("nesterov,irls,nesterov"), ::testing::ElementsAre("nesterov", "irls"));
+  EXPECT_THROW(backends_of("irls,nothing"), BadOption);
+}
+
+}  // namespace
+}  // namespace holdfast::program

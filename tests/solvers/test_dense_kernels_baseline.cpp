@@ -1,4 +1,0 @@
-// The same facts of the kernels for processors without AVX2: their source is compiled into this program, and the library's stays out.
-#define HOLDFAST_WITHOUT_AVX2
-#include "../../solvers/dense_kernels.cpp"
-#include "test_dense_kernels.cpp"
