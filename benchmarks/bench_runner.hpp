@@ -2,8 +2,8 @@
 #pragma once
 
 #include <holdfast/benchmarks/journal.hpp>
-#include <holdfast/common/progress_bar.hpp>
 #include <holdfast/benchmarks/suites/suites.hpp>
+#include <holdfast/common/progress_bar.hpp>
 
 namespace holdfast::bench {
 
@@ -14,7 +14,7 @@ struct RunnerOptions {
   Options solver;       ///< the same for all
   int repetitions = 3;  ///< of a solve that takes less than kFast; the back-ends in turn
   unsigned seed = 1;
-  unsigned runs = 20;   ///< of the papers' suites: seeds from `seed` on
+  unsigned runs = 20;  ///< of the papers' suites: seeds from `seed` on
   bool fresh = false;  ///< run again what is in the journal
 };
 

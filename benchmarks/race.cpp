@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstdio>
-#include <holdfast/common/machine.hpp>
 #include <holdfast/benchmarks/race.hpp>
+#include <holdfast/common/machine.hpp>
 #include <holdfast/common/report.hpp>
 #include <holdfast/common/table.hpp>
 

@@ -27,7 +27,7 @@ struct Case {
 struct FileProblem {
   Instance instance;  ///< truth: the poses of a PyFG file, whose vertices are true; of mrpt-common's data what its files of truth hold
   std::unordered_map<Key, double> times;
-  std::string unknown;  ///< the report on tags nobody knows, "" if there are none
+  std::string unknown;     ///< the report on tags nobody knows, "" if there are none
   std::string start = {};  ///< how a convex start was found, "" for the others
 };
 /// PyFG, g2o, TORO by content, MRPT's .rawlog by name (beacons found from their ranges). Throws an Error that names the file.

@@ -12,8 +12,8 @@ int main() {
   constexpr Agent A('A');
   constexpr double dt = 0.1;
   WindowOptions options;
-  options.lag = 2;            // [s]
-  options.backend = "irls";   // or any other
+  options.lag = 2;           // [s]
+  options.backend = "irls";  // or any other
   options.covariances = true;
   Window window(options);
   window.add_agent('A', WhiteAcceleration<Motion2>::exact(dt, 1, Matrix<4, 4>::Identity()), dt);
@@ -34,11 +34,12 @@ int main() {
     const WindowStep& step = window.step(t);
     if (!step.summary.usable()) return 1;
     const Vector<2> p = window.newest<Motion2>('A').position();
-    if (k > 20) worst = std::max(worst, (p - Vector<2>(window.time(window.newest_key('A')), std::sin(window.time(window.newest_key('A'))))).norm());
+    if (k > 20)
+      worst = std::max(worst, (p - Vector<2>(window.time(window.newest_key('A')), std::sin(window.time(window.newest_key('A'))))).norm());
     if (k % 50 == 0)
       std::cout << "t = " << t << " s: " << p.transpose() << ", sigma "
-                << std::sqrt(step.marginals->covariance<Motion2>(window.newest_key('A'))(0, 0)) << " m, " << window.states('A').size() << " states, "
-                << 1e6 * (step.seconds.add + step.seconds.solve + step.seconds.marginalize) << " us\n";
+                << std::sqrt(step.marginals->covariance<Motion2>(window.newest_key('A'))(0, 0)) << " m, " << window.states('A').size()
+                << " states, " << 1e6 * (step.seconds.add + step.seconds.solve + step.seconds.marginalize) << " us\n";
   }
   std::cout << "worst error " << worst << " m\n";
   return worst < 1.0 ? 0 : 1;

@@ -12,8 +12,8 @@
 namespace holdfast {
 
 namespace detail {  // of run-time size and compiled once: they are called when a factor is made, never in a solve; n × n, column-major
-void cholesky_transposed(const char* what, int n, const double* m, double* W);           // Lᵀ with L Lᵀ = m
-void sqrt_of_inverse(const char* what, int n, const double* covariance, double* W);      // U⁻¹ with U Uᵀ = Σ: upper triangular like Lᵀ of Σ⁻¹
+void cholesky_transposed(const char* what, int n, const double* m, double* W);  // Lᵀ with L Lᵀ = m
+void sqrt_of_inverse(const char* what, int n, const double* covariance, double* W);  // U⁻¹ with U Uᵀ = Σ: upper triangular like Lᵀ of Σ⁻¹
 void symmetric_sqrt_of_inverse(const char* what, int n, const double* covariance, double* W);
 
 template <int N, class Function>

@@ -53,8 +53,8 @@ class FactorBatch {
 
   /// Each factor's part of Jᵀ W r̈ (total_dim doubles, then a 0): r̈, the second derivative of the residual along δ, by finite difference
   /// from `moved` = values ⊕ hδ; W = w ρ' at the values. offsets as for apply_jacobians.
-  virtual void curvatures(const Values& values, const Values& moved, double h, const double* delta, const int* index, const int* offsets, int first,
-                          int last, double* out) const = 0;
+  virtual void curvatures(const Values& values, const Values& moved, double h, const double* delta, const int* index, const int* offsets,
+                          int first, int last, double* out) const = 0;
 
   /// Each factor's part of the gradient (total_dim doubles), then its cost.
   virtual void gradients(const Values& values, const int* index, int first, int last, double* out) const = 0;
@@ -152,8 +152,8 @@ class Batch final : public FactorBatch {
     }
   }
 
-  void curvatures(const Values& values, const Values& moved, double h, const double* delta, const int* index, const int* offsets, int first, int last,
-                  double* out) const override {
+  void curvatures(const Values& values, const Values& moved, double h, const double* delta, const int* index, const int* offsets, int first,
+                  int last, double* out) const override {
     const auto here = pools_of(values, std::make_index_sequence<K>{}), there = pools_of(moved, std::make_index_sequence<K>{});
     Jacobians<F> J;
     for (int i = first; i < last; ++i, out += N + 1) {

@@ -12,8 +12,8 @@ struct Finding {
     empty_graph,
     unknown_key,
     wrong_type,
-    bad_value,               ///< a variable that is not finite, or so large that its square overflows
-    bad_residual,            ///< a factor whose residual is not finite at these values
+    bad_value,     ///< a variable that is not finite, or so large that its square overflows
+    bad_residual,  ///< a factor whose residual is not finite at these values
     nothing_free,
     unconstrained_variable,  ///< no factor touches it
     unconstrained_direction,

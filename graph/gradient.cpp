@@ -19,11 +19,12 @@ double GradientEvaluator::operator()(const Graph& graph, const Resolved& resolve
   });
 }
 
-void GradientEvaluator::curvature(const Graph& graph, const Resolved& resolved, const Values& values, const Values& moved, double h, const double* delta,
-                                  const std::vector<std::vector<int>>& offsets, std::vector<double>& out, ThreadPool* pool) {
+void GradientEvaluator::curvature(const Graph& graph, const Resolved& resolved, const Values& values, const Values& moved, double h,
+                                  const double* delta, const std::vector<std::vector<int>>& offsets, std::vector<double>& out,
+                                  ThreadPool* pool) {
   sum(graph, resolved, out, pool, [&](const Chunk& chunk, double* part) {
-    graph.batches()[chunk.batch]->curvatures(values, moved, h, delta, resolved.batches()[chunk.batch].index.data(), offsets[chunk.batch].data(),
-                                             chunk.first, chunk.last, part);
+    graph.batches()[chunk.batch]->curvatures(values, moved, h, delta, resolved.batches()[chunk.batch].index.data(),
+                                             offsets[chunk.batch].data(), chunk.first, chunk.last, part);
   });
 }
 

@@ -10,7 +10,8 @@ class GradientEvaluator {
   explicit GradientEvaluator(const Graph& graph);
 
   /// Returns the cost; gradient: in Resolved's tangent. The same bits for any number of threads.
-  double operator()(const Graph& graph, const Resolved& resolved, const Values& values, std::vector<double>& gradient, ThreadPool* pool = nullptr);
+  double operator()(const Graph& graph, const Resolved& resolved, const Values& values, std::vector<double>& gradient,
+                    ThreadPool* pool = nullptr);
 
   /// Jᵀ W r̈ along delta (FactorBatch::curvatures), in Resolved's tangent; offsets: by batch, of each variable of each factor.
   void curvature(const Graph& graph, const Resolved& resolved, const Values& values, const Values& moved, double h, const double* delta,

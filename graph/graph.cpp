@@ -78,7 +78,8 @@ FactorId Graph::add_batch(std::unique_ptr<FactorBatch> batch, const std::vector<
 FactorId Graph::add(const LinearPrior& prior) {
   check_new([] { return std::string("LinearPrior"); }, prior.keys.data(), prior.keys.size(), Loss{}, prior.rows, 1.0);
   validated(prior, prior.keys.data(), prior.keys.size());
-  auto it = std::find_if(batches_.begin(), batches_.end(), [](const auto& b) { return b->factor_type() == typeid(LinearPrior) && b->size() == 0; });
+  auto it = std::find_if(batches_.begin(), batches_.end(),
+                         [](const auto& b) { return b->factor_type() == typeid(LinearPrior) && b->size() == 0; });
   if (it == batches_.end()) it = batches_.insert(it, std::make_unique<LinearPriorBatch>());
   static_cast<LinearPriorBatch&>(**it).hold(prior);
   return enter(**it, prior.keys.data(), 1.0);
@@ -97,7 +98,8 @@ const Graph::Place& Graph::checked(FactorId id) const {
 FactorId Graph::id_of(int batch, int index) const {
   require_batch(batch);
   if (index < 0 || index >= batches_[batch]->size())
-    fail<BadKey>("factor ", index, " of batch ", batch, ": the batch holds ", batches_[batch]->size(), "; ask batches()[", batch, "]->size()");
+    fail<BadKey>("factor ", index, " of batch ", batch, ": the batch holds ", batches_[batch]->size(), "; ask batches()[", batch,
+                 "]->size()");
   const int number = batches_[batch]->ids_[index];
   return {number, places_[number].generation};
 }
@@ -107,7 +109,8 @@ void Graph::remove(FactorId id) {
   FactorBatch& batch = *batches_[gone.batch];
   batch.remove(gone.index);
   const std::size_t arity = batch.dims_.size();
-  std::copy(batch.keys_.end() - static_cast<std::ptrdiff_t>(arity), batch.keys_.end(), batch.keys_.begin() + static_cast<std::ptrdiff_t>(gone.index * arity));
+  std::copy(batch.keys_.end() - static_cast<std::ptrdiff_t>(arity), batch.keys_.end(),
+            batch.keys_.begin() + static_cast<std::ptrdiff_t>(gone.index * arity));
   batch.keys_.resize(batch.keys_.size() - arity);
   batch.weights_[gone.index] = batch.weights_.back();
   batch.weights_.pop_back();
@@ -122,7 +125,8 @@ void Graph::remove(FactorId id) {
 void Graph::set_weight(FactorId id, double weight) {
   const Place& place = checked(id);
   if (!(std::isfinite(weight) && weight >= 0))
-    fail<BadNumber>(batches_[place.batch]->describe(place.index), ": weight = ", weight, " must be finite and >= 0; to leave a factor out, remove it");
+    fail<BadNumber>(batches_[place.batch]->describe(place.index), ": weight = ", weight,
+                    " must be finite and >= 0; to leave a factor out, remove it");
   batches_[place.batch]->weights_[place.index] = weight;
 }
 
@@ -135,7 +139,8 @@ void Graph::set_loss(int batch, const Loss& loss) {
   require_batch(batch);
   loss.validate(batches_[batch]->residual_dim());
   if (batches_[batch]->factor_type() == typeid(LinearPrior) && loss.kind != Loss::Kind::Squared)
-    fail<BadOption>("LinearPrior: its loss is squared, since its terms were weighed when it was made; ", loss.str(), " cannot be laid on them");
+    fail<BadOption>("LinearPrior: its loss is squared, since its terms were weighed when it was made; ", loss.str(),
+                    " cannot be laid on them");
   batches_[batch]->loss_ = loss;
 }
 

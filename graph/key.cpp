@@ -10,7 +10,8 @@ std::string Key::str() const { return agent() + std::to_string(index()); }
 
 Key Key::parse(std::string_view text) {
   std::uint64_t index = 0;
-  const bool has_agent = text.size() >= 2 && std::isgraph(static_cast<unsigned char>(text[0])) && !std::isdigit(static_cast<unsigned char>(text[0]));
+  const bool has_agent =
+      text.size() >= 2 && std::isgraph(static_cast<unsigned char>(text[0])) && !std::isdigit(static_cast<unsigned char>(text[0]));
   if (has_agent) {
     const auto [end, error] = std::from_chars(text.data() + 1, text.data() + text.size(), index);
     if (error == std::errc{} && end == text.data() + text.size() && index <= kIndexMask) return {text[0], index};

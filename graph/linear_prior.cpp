@@ -64,10 +64,15 @@ void LinearPrior::validate() const {
     fail<BadNumber>("LinearPrior: ", keys.size(), " keys, ", types.size(), " types and ", x0.size(),
                     " coordinates do not fit; enter each variable by add_variable()");
   if (rows < 1 || A.size() != static_cast<std::size_t>(rows) * columns() || b.size() != static_cast<std::size_t>(rows))
-    fail<BadNumber>("LinearPrior: rows = ", rows, " > 0, A of ", A.size(), " = rows × ", columns(), " and b of ", b.size(), " = rows must fit");
+    fail<BadNumber>("LinearPrior: rows = ", rows, " > 0, A of ", A.size(), " = rows × ", columns(), " and b of ", b.size(),
+                    " = rows must fit");
   for (const std::vector<double>* numbers : {&x0, &A, &b})
     if (!std::all_of(numbers->begin(), numbers->end(), [](double x) { return std::isfinite(x); }))
-      fail<BadNumber>("LinearPrior: a number of ", numbers == &x0 ? "x0" : numbers == &A ? "A" : "b", " is not finite; leave the prior out");
+      fail<BadNumber>("LinearPrior: a number of ",
+                      numbers == &x0  ? "x0"
+                      : numbers == &A ? "A"
+                                      : "b",
+                      " is not finite; leave the prior out");
 }
 
 LinearPriorBatch::LinearPriorBatch() : FactorBatch("LinearPrior", Squared{}) {}
@@ -123,7 +128,8 @@ void LinearPriorBatch::times_local_jacobians(const double* const* x, double* J) 
     if (!type.is_vector_space()) {
       double* D = scratch<0>(static_cast<std::size_t>(d) * d);
       type.local_jacobian_ambient(at, x[k], D);
-      Eigen::Map<Eigen::MatrixXd>(J, m, d).noalias() = Eigen::Map<const Eigen::MatrixXd>(A, m, d) * Eigen::Map<const Eigen::MatrixXd>(D, d, d);
+      Eigen::Map<Eigen::MatrixXd>(J, m, d).noalias() =
+          Eigen::Map<const Eigen::MatrixXd>(A, m, d) * Eigen::Map<const Eigen::MatrixXd>(D, d, d);
     }
     at += type.ambient();
     A += static_cast<std::ptrdiff_t>(m) * d;
@@ -199,8 +205,8 @@ void LinearPriorBatch::apply_jacobians(const double* J, const int* offsets, int 
         for (int row = 0; row < m; ++row) out[row] += J[row] * delta[offsets[k] + c];
 }
 
-void LinearPriorBatch::curvatures(const Values& values, const Values& moved, double h, const double* delta, const int* index, const int* offsets,
-                                  int first, int last, double* out) const {
+void LinearPriorBatch::curvatures(const Values& values, const Values& moved, double h, const double* delta, const int* index,
+                                  const int* offsets, int first, int last, double* out) const {
   if (first >= last) return;
   const int m = prior_.rows;
   std::fill(out, out + total_dim_ + 1, 0.0);

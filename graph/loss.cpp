@@ -12,8 +12,8 @@
 namespace holdfast {
 namespace {
 
-constexpr std::array<const char*, 10> kNames{"squared", "absolute",      "huber",  "pseudo_huber",      "cauchy",
-                                             "geman_mcclure", "welsch", "tukey", "truncated_squares", "student_t"};
+constexpr std::array<const char*, 10> kNames{"squared",       "absolute", "huber", "pseudo_huber",      "cauchy",
+                                             "geman_mcclure", "welsch",   "tukey", "truncated_squares", "student_t"};
 
 const char* name_of(Loss::Kind kind) { return kNames[static_cast<std::size_t>(kind)]; }
 
@@ -106,7 +106,8 @@ Loss Loss::parse(std::string_view text) {
   const auto refuse = [&] {
     std::ostringstream names;
     for (const char* name : kNames) names << ' ' << name;
-    fail<BadOption>("'", text, "' is no loss: expected NAME[:THRESHOLD][:component][:one_sided] with a threshold > 0 and NAME one of", names.str());
+    fail<BadOption>("'", text, "' is no loss: expected NAME[:THRESHOLD][:component][:one_sided] with a threshold > 0 and NAME one of",
+                    names.str());
   };
   std::vector<std::string_view> parts;
   for (std::string_view rest = text;; rest.remove_prefix(parts.back().size() + 1)) {

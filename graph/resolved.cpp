@@ -44,7 +44,8 @@ void Resolved::resolve_batch(const Graph& graph, const Values& values, int b) {
     for (int k = 0; k < arity; ++k) {
       const Key key = factors.keys(i)[k];
       if (!values.contains(key))
-        fail<BadKey>("factor ", factors.describe(i), ": key ", key, " has no value; insert a ", factors.type_names()[k], " for it before solving");
+        fail<BadKey>("factor ", factors.describe(i), ": key ", key, " has no value; insert a ", factors.type_names()[k],
+                     " for it before solving");
       const Values::Slot slot = values.slot(key);
       const PoolBase& pool = values.pool(slot.pool);
       if (pool.type() != factors.types()[k])
@@ -102,7 +103,8 @@ Resolved::Culprit Resolved::first_non_finite(const Graph& graph, const Values& v
       batch.evaluate(values, batches_[b].index.data(), i, i + 1, r.data(), nullptr);
       const bool residual_is_finite = std::all_of(r.begin(), r.end(), [](double x) { return std::isfinite(x); });
       if (residual_is_finite && std::isfinite(batch.cost_of(i, r.data(), nullptr))) continue;
-      std::string text = batch.describe(i) + (residual_is_finite ? ": the square of its residual overflows at" : ": its residual is not finite at");
+      std::string text =
+          batch.describe(i) + (residual_is_finite ? ": the square of its residual overflows at" : ": its residual is not finite at");
       for (int k = 0; k < batch.arity(); ++k) {
         const Key key = batch.keys(i)[k];
         PoolBase& pool = const_cast<PoolBase&>(values.pool(values.slot(key).pool));

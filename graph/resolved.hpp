@@ -1,8 +1,8 @@
 // A graph and its values, resolved once: keys become indices. Reused while neither structure changes.
 #pragma once
 
-#include <holdfast/graph/graph.hpp>
 #include <holdfast/graph/detail/parallel.hpp>
+#include <holdfast/graph/graph.hpp>
 
 namespace holdfast {
 
@@ -10,8 +10,8 @@ class Resolved {
  public:
   struct Variable {
     Key key;
-    int pool;    ///< in Values
-    int index;   ///< in the pool
+    int pool;   ///< in Values
+    int index;  ///< in the pool
     int dim;
     int offset;  ///< of its tangent in the problem's; −1: fixed
   };

@@ -166,7 +166,8 @@ const Values::Slot& Values::checked(Key key, std::type_index type, const char* t
   const auto it = slots_.find(key);
   if (it == slots_.end()) fail<BadKey>("key ", key, " (a ", type_name, ") is not in the values; insert it before it is used");
   const PoolBase& pool = *pools_[it->second.pool];
-  if (pool.type() != type) fail<BadType>("key ", key, " is a ", pool.type_name(), ", not a ", type_name, "; ask for it as a ", pool.type_name());
+  if (pool.type() != type)
+    fail<BadType>("key ", key, " is a ", pool.type_name(), ", not a ", type_name, "; ask for it as a ", pool.type_name());
   return it->second;
 }
 

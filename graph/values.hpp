@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstring>
+#include <holdfast/graph/detail/local_jacobian.hpp>
 #include <holdfast/graph/error.hpp>
 #include <holdfast/graph/key.hpp>
-#include <holdfast/graph/detail/local_jacobian.hpp>
 #include <holdfast/graph/variables.hpp>
 #include <memory>
 #include <typeindex>
@@ -21,8 +21,8 @@ class PoolBase {
   virtual std::type_index type() const = 0;
   virtual const char* type_name() const = 0;
   virtual int dim() const = 0;
-  virtual int ambient() const = 0;    ///< doubles per variable
-  virtual int space() const = 0;      ///< 2 or 3; 0 without a position
+  virtual int ambient() const = 0;  ///< doubles per variable
+  virtual int space() const = 0;    ///< 2 or 3; 0 without a position
   virtual bool is_vector_space() const = 0;
   virtual const PoolBase& kind() const = 0;  ///< Pool<V>::prototype()
   virtual std::unique_ptr<PoolBase> clone() const = 0;
@@ -38,7 +38,7 @@ class PoolBase {
   const double* data(int i) const { return const_cast<PoolBase*>(this)->data(i); }
   virtual void position(int i, double* p) const = 0;
   virtual void rigid_motion(int i, const double* v, const double* w, double* motion) const = 0;
-  virtual void remove(int i) = 0;  ///< the last one takes its place
+  virtual void remove(int i) = 0;                          ///< the last one takes its place
   virtual void remove(const std::vector<char>& gone) = 0;  ///< every i where gone[i]; the others keep their order
   virtual void push_ambient(Key key, const double* x) = 0;
 
@@ -83,11 +83,11 @@ class Pool final : public PoolBase {
   bool is_finite(int i) const override { return values_[i].is_finite(); }
   double* data(int i) override { return reinterpret_cast<double*>(&values_[i]); }
   void position(int i, double* p) const override {
-    if constexpr (space_dim<V> > 0) Eigen::Map<Vector<space_dim<V>>>(p, space_dim<V>) = values_[i].position();
+    if constexpr (space_dim < V >> 0) Eigen::Map<Vector<space_dim<V>>>(p, space_dim<V>) = values_[i].position();
   }
   void rigid_motion(int i, const double* v, const double* w, double* motion) const override {
     Eigen::Map<Vector<V::dim>> out(motion, V::dim);
-    if constexpr (space_dim<V> > 0)
+    if constexpr (space_dim < V >> 0)
       out = values_[i].rigid_motion(Eigen::Map<const Vector<space_dim<V>>>(v), Eigen::Map<const Vector<rotation_dim<space_dim<V>>>>(w));
     else
       out.setZero();
@@ -234,7 +234,8 @@ class Values {
 
   /// Changes whenever a key comes or goes; two Values with the same stamp have the same keys in the same slots.
   std::uint64_t structure() const { return structure_; }
-  /// Copies the variables of a Values of the same structure; allocates nothing. (Nor does `=`, of no more variables of the same types than before.)
+  /// Copies the variables of a Values of the same structure; allocates nothing. (Nor does `=`, of no more variables of the same types than
+  /// before.)
   void assign(const Values& other);
 
  private:

@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <holdfast/benchmarks/bench_runner.hpp>
-#include <holdfast/program/program.hpp>
 #include <holdfast/common/machine.hpp>
 #include <holdfast/common/report.hpp>
+#include <holdfast/program/program.hpp>
 
 namespace holdfast::program {
 

@@ -1,10 +1,9 @@
 #include <CLI/CLI.hpp>
-#include <holdfast/program/program.hpp>
 #include <holdfast/common/instance.hpp>
 #include <holdfast/graph/check.hpp>
+#include <holdfast/program/program.hpp>
 
 namespace holdfast::program {
-
 
 CLI::App* add_check(CLI::App& app, CheckArguments& arguments) {
   CLI::App* command = app.add_subcommand("check", "what is wrong with the problem of a file, by name; exit code 1 if it cannot be solved");

@@ -2,15 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <holdfast/program/program.hpp>
 #include <holdfast/common/hosts.hpp>
 #include <holdfast/common/log.hpp>
 #include <holdfast/common/machine.hpp>
+#include <holdfast/program/program.hpp>
 #include <holdfast/solvers/backend.hpp>
 #include <iostream>
 
 namespace holdfast::program {
-
 
 std::vector<std::string> backends_of(const std::string& list) {
   const std::vector<std::string> known = backend_names();

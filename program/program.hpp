@@ -40,7 +40,7 @@ int solve(const SolveArguments& arguments, Terminal& terminal);
 
 struct TrackArguments {
   std::string file;  ///< "-": standard input
-  double lag = 20;  ///< [s]
+  double lag = 20;   ///< [s]
   std::string backend = "irls";
   std::string loss = "huber:2";
   std::string leaving = "marginalize";

@@ -1,11 +1,10 @@
 #include <algorithm>
-#include <holdfast/program/pyfg_lines.hpp>
 #include <holdfast/graph/files/internal/parser.hpp>
+#include <holdfast/program/pyfg_lines.hpp>
 #include <limits>
 #include <map>
 
 namespace holdfast::program {
-
 
 Dataset parse_line(std::uint64_t number, std::string_view text, const std::string& file) {
   LineParser parser(Format::PyFG, file);

@@ -9,7 +9,6 @@
 
 namespace holdfast::program {
 
-
 /// Runs one line of the file format through a parser of its own: streams never end, so nothing of a line is kept.
 Dataset parse_line(std::uint64_t number, std::string_view text, const std::string& file);
 /// The lines of a PyFG file in the order of time: the vertices first, then every edge at the time of its latest state.

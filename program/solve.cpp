@@ -1,11 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <holdfast/program/program.hpp>
 #include <holdfast/common/log.hpp>
 #include <holdfast/common/progress_bar.hpp>
 #include <holdfast/common/report.hpp>
 #include <holdfast/graph/files/atomic.hpp>
 #include <holdfast/graph/files/tum.hpp>
+#include <holdfast/program/program.hpp>
 #include <set>
 
 namespace holdfast::program {

@@ -2,19 +2,19 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <holdfast/graph/files/internal/text.hpp>
+#include <holdfast/graph/files/tum.hpp>
 #include <holdfast/program/program.hpp>
 #include <holdfast/program/pyfg_lines.hpp>
 #include <holdfast/program/tracker.hpp>
-#include <holdfast/graph/files/internal/text.hpp>
-#include <holdfast/graph/files/tum.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 namespace holdfast::program {
 
-
 CLI::App* add_track(CLI::App& app, TrackArguments& arguments) {
-  CLI::App* command = app.add_subcommand("track", "follow the agents of a PyFG stream in a sliding window, line by line; SIGTERM ends it cleanly");
+  CLI::App* command =
+      app.add_subcommand("track", "follow the agents of a PyFG stream in a sliding window, line by line; SIGTERM ends it cleanly");
   command->add_option("FILE", arguments.file, "a PyFG file, taken in the order of time; or - for standard input")->required();
   command->add_option("--lag", arguments.lag, "seconds the window looks back")->capture_default_str();
   command->add_option("--backend", arguments.backend)->capture_default_str();
@@ -25,7 +25,9 @@ CLI::App* add_track(CLI::App& app, TrackArguments& arguments) {
   command->add_option("--format", arguments.format, "of the lines written; tum has no column for the agent")
       ->check(CLI::IsMember({"json", "tum"}))
       ->capture_default_str();
-  command->add_option("--states", arguments.states, "newest: each agent's state as soon as it is known; leaving: its last estimate, a lag later")
+  command
+      ->add_option("--states", arguments.states,
+                   "newest: each agent's state as soon as it is known; leaving: its last estimate, a lag later")
       ->check(CLI::IsMember({"newest", "leaving"}))
       ->capture_default_str();
   command->add_option("--tolerance", arguments.tolerance, "relative decrease of the cost that ends a solve")->capture_default_str();
@@ -160,7 +162,8 @@ class Track {
     say(counts.refused, "measurements refused");
     say(counts.failed, "steps without an answer");
     terminal_.err << (terminated != 0 ? "; ended by a signal\n" : "\n");
-    if (counts.late + counts.refused > 0 && !tracker_.last_refusal().empty()) terminal_.err << "holdfast: the last refused: " << tracker_.last_refusal() << '\n';
+    if (counts.late + counts.refused > 0 && !tracker_.last_refusal().empty())
+      terminal_.err << "holdfast: the last refused: " << tracker_.last_refusal() << '\n';
     if (counts.scored > 0) terminal_.err << "holdfast: RMSE to the vertices: newest " << counts.rmse() << " m";
     if (counts.scored_leaving > 0) terminal_.err << ", leaving " << counts.rmse_leaving() << " m";
     if (counts.scored > 0) terminal_.err << '\n';

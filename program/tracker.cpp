@@ -1,15 +1,14 @@
 #include <algorithm>
 #include <cmath>
-#include <holdfast/program/pyfg_lines.hpp>
-#include <holdfast/program/tracker.hpp>
 #include <holdfast/factors/between.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/range.hpp>
 #include <holdfast/factors/relative_point.hpp>
 #include <holdfast/graph/starts/start.hpp>
+#include <holdfast/program/pyfg_lines.hpp>
+#include <holdfast/program/tracker.hpp>
 
 namespace holdfast::program {
-
 
 Tracker::Tracker(const TrackOptions& options, std::function<void(const Tracked&)> print)
     : options_(options), print_(std::move(print)), window_([&] {

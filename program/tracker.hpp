@@ -2,37 +2,36 @@
 //
 // Every relative pose of an agent from a state in the window to one that is not there yet is its odometry and brings the new state; other
 // relative poses, ranges and points are measurements. A state's time is that of its VERTEX line if there was one, else the edge's. The
-// VERTEX line of an agent's first pose says where it starts (else: the identity), held as make_problem (adapters/files/problem.hpp) holds it; of a
-// point it is the place round which its start is drawn (odometry_start), and the prior says how far: without one, a
-// beacon ranged to once is not observable. Other vertices are taken for the truth that errors are measured by.
-// The window is solved whenever the time moves on. A measurement of a state that is not there yet waits for it as long as the lag.
+// VERTEX line of an agent's first pose says where it starts (else: the identity), held as make_problem (adapters/files/problem.hpp) holds
+// it; of a point it is the place round which its start is drawn (odometry_start), and the prior says how far: without one, a beacon ranged
+// to once is not observable. Other vertices are taken for the truth that errors are measured by. The window is solved whenever the time
+// moves on. A measurement of a state that is not there yet waits for it as long as the lag.
 #pragma once
 
 #include <deque>
 #include <functional>
-#include <holdfast/graph/files/dataset.hpp>
 #include <holdfast/graph/files/binary.hpp>
+#include <holdfast/graph/files/dataset.hpp>
 #include <holdfast/solvers/window/window.hpp>
 #include <map>
 
 namespace holdfast::program {
 
-
 struct TrackOptions {
   WindowOptions window;
-  Loss loss;          ///< of every measurement but the odometry and the priors
-  unsigned seed = 0;  ///< of the points' start
+  Loss loss;                  ///< of every measurement but the odometry and the priors
+  unsigned seed = 0;          ///< of the points' start
   double landmark_sigma = 1;  ///< > 0 [m]: how far that start is from the vertex, and its prior
 };
 
 struct TrackCounts {
-  std::uint64_t lines = 0;      ///< read, those of vertices and comments, too
+  std::uint64_t lines = 0;  ///< read, those of vertices and comments, too
   std::uint64_t steps = 0;
   std::uint64_t measurements = 0;
-  std::uint64_t late = 0;       ///< refused: older than the lag
-  std::uint64_t refused = 0;    ///< never fitted: a state or landmark that nobody knows, a wrong type
+  std::uint64_t late = 0;     ///< refused: older than the lag
+  std::uint64_t refused = 0;  ///< never fitted: a state or landmark that nobody knows, a wrong type
   std::uint64_t malformed = 0;
-  std::uint64_t failed = 0;     ///< steps without a usable answer
+  std::uint64_t failed = 0;  ///< steps without a usable answer
   std::uint64_t scored = 0, scored_leaving = 0;
   double squared_error = 0, squared_error_leaving = 0;  ///< [m²] of states when they were the newest, and when they left
 
@@ -104,7 +103,7 @@ class Tracker {
   Window window_;
   double now_ = -std::numeric_limits<double>::infinity();
   bool finished_ = false;
-  std::map<Key, Vertex> poses_;    ///< of VERTEX lines, until the state has left
+  std::map<Key, Vertex> poses_;  ///< of VERTEX lines, until the state has left
   std::map<Key, Vertex> points_;
   std::deque<Waiting> waiting_;
   std::map<char, double> printed_;  ///< the time of each agent's newest state that was printed

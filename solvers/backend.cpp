@@ -100,8 +100,8 @@ const char* to_string(Termination termination) {
 std::string Summary::str() const {
   std::ostringstream text;
   text.precision(9);
-  text << to_string(termination) << " (" << why() << "): cost " << cost_first << " -> " << cost << " in " << iterations << " iterations, " << seconds
-       << " s";
+  text << to_string(termination) << " (" << why() << "): cost " << cost_first << " -> " << cost << " in " << iterations << " iterations, "
+       << seconds << " s";
   return text.str();
 }
 

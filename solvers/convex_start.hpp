@@ -26,8 +26,8 @@ struct RelaxedStart {
   std::string str() const;
 };
 
-/// 1 and 2. Options: of the relaxed solve, by irls, and where that is convex and has not converged in 200 iterations by nesterov from there. Throws
-/// what Backend::solve throws. Values are unchanged where it fails (relaxed.usable() is false).
+/// 1 and 2. Options: of the relaxed solve, by irls, and where that is convex and has not converged in 200 iterations by nesterov from
+/// there. Throws what Backend::solve throws. Values are unchanged where it fails (relaxed.usable() is false).
 RelaxedStart relaxed_start(const Graph& graph, Values& values, const Options& options = {});
 
 struct ConvexStart {

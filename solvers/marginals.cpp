@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <holdfast/solvers/backend.hpp>
-#include <holdfast/solvers/marginals.hpp>
 #include <holdfast/solvers/linear/internal/selected_inverse.hpp>
+#include <holdfast/solvers/marginals.hpp>
 #include <optional>
 
 namespace holdfast {

@@ -42,7 +42,14 @@ std::vector<MeasurementReport> outlier_report(const Graph& graph, const Values& 
     if (batch.factor_type() == typeid(LinearPrior)) continue;
     const FactorType* type = find_factor_type(batch.factor_type());
     for (int i = 0; i < batch.size(); ++i) {
-      MeasurementReport one{graph.id_of(static_cast<int>(b), i), batch.name(), {batch.keys(i), batch.keys(i) + batch.arity()}, 0, {}, {}, 0, Verdict::not_finite};
+      MeasurementReport one{graph.id_of(static_cast<int>(b), i),
+                            batch.name(),
+                            {batch.keys(i), batch.keys(i) + batch.arity()},
+                            0,
+                            {},
+                            {},
+                            0,
+                            Verdict::not_finite};
       one.time = latest(one.keys, times);
       one.whitened.resize(batch.residual_dim());
       one.raw.resize(batch.residual_dim());

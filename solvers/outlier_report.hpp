@@ -13,12 +13,12 @@ struct MeasurementReport {
     not_finite,  ///< its residual is not a number at these values
   };
   FactorId id;
-  std::string factor;             ///< "Range"
-  std::vector<Key> keys;          ///< whose agents it is between: keys[0].agent(), …
-  double time;                    ///< [s] the latest of its keys' times; NaN: none has one
-  std::vector<double> raw;        ///< residual in the units of the measurement; empty where the factor does not say (raw(), sqrt_information)
-  std::vector<double> whitened;   ///< residual in sigmas
-  double weight;                  ///< ρ'(s) / ρ'(0) in [0, 1], the least of its components: 1 is believed, 0 is ignored
+  std::string factor;       ///< "Range"
+  std::vector<Key> keys;    ///< whose agents it is between: keys[0].agent(), …
+  double time;              ///< [s] the latest of its keys' times; NaN: none has one
+  std::vector<double> raw;  ///< residual in the units of the measurement; empty where the factor does not say (raw(), sqrt_information)
+  std::vector<double> whitened;  ///< residual in sigmas
+  double weight;                 ///< ρ'(s) / ρ'(0) in [0, 1], the least of its components: 1 is believed, 0 is ignored
   Verdict verdict;
 };
 

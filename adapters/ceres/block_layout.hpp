@@ -162,10 +162,10 @@ struct Separate : L {};
 class BlockLayout {
  public:
   virtual ~BlockLayout() = default;
-  std::vector<int> blocks;  ///< doubles of each block of the user's memory
-  int size;                 ///< of all of them
-  int dim;                  ///< of the tangent
-  int ambient;              ///< doubles of the variable itself
+  std::vector<int> blocks;                                         ///< doubles of each block of the user's memory
+  int size;                                                        ///< of all of them
+  int dim;                                                         ///< of the tangent
+  int ambient;                                                     ///< doubles of the variable itself
   virtual void read(const double* x, double* variable) const = 0;  ///< x: the blocks one after the other
   virtual void write(const double* variable, double* x) const = 0;
   virtual void minus_jacobian(const double* x, double* M) const = 0;  ///< dim × size, column-major

@@ -73,7 +73,8 @@ class TermCost final : public ceres::CostFunction {
       int column = 0;
       for (const int size : layout.blocks) {
         if (*jacobians != nullptr)
-          RowMajor(*jacobians, m, size).noalias() = ColMajor(J, m, layout.dim) * ColMajor(M, layout.dim, layout.size).middleCols(column, size);
+          RowMajor(*jacobians, m, size).noalias() =
+              ColMajor(J, m, layout.dim) * ColMajor(M, layout.dim, layout.size).middleCols(column, size);
         column += size;
         ++jacobians;
       }
@@ -124,7 +125,8 @@ bool is_plain(const Loss& loss, double weight) { return loss.kind == Loss::Kind:
 ceres::LossFunction* ceres_loss(const Loss& loss, int residual_dim, double weight) {
   const bool needs_dim = loss.per_component || loss.kind == Loss::Kind::StudentT;
   if (residual_dim == 0 && needs_dim && !loss.one_sided)
-    fail<BadOption>("ceres_loss: '", loss.str(), "' depends on how many components the residual has; give their number as the second argument");
+    fail<BadOption>("ceres_loss: '", loss.str(),
+                    "' depends on how many components the residual has; give their number as the second argument");
   if (must_fold(loss, residual_dim))
     fail<BadOption>("Ceres knows losses of a whole residual block alone, and '", loss.str(),
                     "' is none; give it to ceres_cost(factor, loss), which has it in the residual, or use ceres_add");
@@ -137,16 +139,19 @@ ceres::CostFunction* detail::ceres_cost(const Term& term, const Layouts& layouts
 
 ceres::CostFunction* detail::ceres_folded_cost(const Term& term, const Layouts& layouts) {
   if (!must_fold(term.loss(), term.residual_dim()) && !is_plain(term.loss(), term.weight()))
-    fail<BadOption>(term.batch().name(), ": '", term.loss().str(),
-                    "' is a loss of the whole block, which Ceres has; leave it out of ceres_cost and give ceres_loss beside it, or use ceres_add");
+    fail<BadOption>(
+        term.batch().name(), ": '", term.loss().str(),
+        "' is a loss of the whole block, which Ceres has; leave it out of ceres_cost and give ceres_loss beside it, or use ceres_add");
   return new TermCost(term, layouts, must_fold(term.loss(), term.residual_dim()));
 }
 
-ceres::ResidualBlockId detail::ceres_add(ceres::Problem& problem, const Term& term, const Layouts& layouts, const std::vector<double*>& blocks) {
+ceres::ResidualBlockId detail::ceres_add(ceres::Problem& problem, const Term& term, const Layouts& layouts,
+                                         const std::vector<double*>& blocks) {
   std::size_t wanted = 0;
   for (const BlockLayout* layout : layouts) wanted += layout->blocks.size();
   if (blocks.size() != wanted)
-    fail<BadOption>(term.batch().name(), " has ", wanted, " blocks in this memory layout, not ", blocks.size(), "; give one pointer for each");
+    fail<BadOption>(term.batch().name(), " has ", wanted, " blocks in this memory layout, not ", blocks.size(),
+                    "; give one pointer for each");
   const bool folded = must_fold(term.loss(), term.residual_dim());
   return problem.AddResidualBlock(new TermCost(term, layouts, folded),
                                   folded ? nullptr : ceres_loss(term.loss(), term.residual_dim(), term.weight()), blocks);
@@ -154,7 +159,8 @@ ceres::ResidualBlockId detail::ceres_add(ceres::Problem& problem, const Term& te
 
 ceres::Manifold* detail::ceres_manifold(const BlockLayout& layout) {
   if (layout.blocks.size() != 1)
-    fail<BadOption>("a variable in ", layout.blocks.size(), " blocks has no manifold as a whole; put one on each block that is no vector space, "
+    fail<BadOption>("a variable in ", layout.blocks.size(),
+                    " blocks has no manifold as a whole; put one on each block that is no vector space, "
                     "such as ceres::EigenQuaternionManifold on the quaternion");
   return new LayoutManifold(layout);
 }

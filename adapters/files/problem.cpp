@@ -18,7 +18,8 @@ class Builder {
     const std::vector<bool> odometry = odometry_edges(dataset_);
     for (std::size_t i = 0; i < dataset_.edges.size(); ++i) {
       const Loss loss = odometry[i] ? Loss{} : options_.loss;
-      problem_.factors.push_back(std::visit([&](const auto& measurement) { return add(measurement, loss); }, dataset_.edges[i].measurement));
+      problem_.factors.push_back(
+          std::visit([&](const auto& measurement) { return add(measurement, loss); }, dataset_.edges[i].measurement));
       if (odometry[i]) std::visit([&](const auto& measurement) { note_odometry(measurement); }, dataset_.edges[i].measurement);
     }
     for (const Fixed& fixed : dataset_.fixed) problem_.graph.fix(fixed.key);
@@ -57,7 +58,8 @@ class Builder {
   template <class P>
   FactorId add(const RelativePointEdge<P>& edge, const Loss& loss) {
     using Pose = std::conditional_t<P::dim == 2, Pose2, Pose3>;
-    return problem_.graph.add(RelativePoint<Pose, P>::from_information(edge.measured.value, edge.information()), {edge.pose, edge.landmark}, loss);
+    return problem_.graph.add(RelativePoint<Pose, P>::from_information(edge.measured.value, edge.information()), {edge.pose, edge.landmark},
+                              loss);
   }
   FactorId add(const RangeEdge& edge, const Loss& loss) {
     const bool plane = is<Pose2>(edge.first) || is<Point2>(edge.first);

@@ -10,10 +10,10 @@ namespace holdfast {
 
 struct ProblemOptions {
   enum class Start { file, odometry, chordal, convex };
-  Loss loss;                   ///< of every measurement but the odometry between consecutive poses and the priors
-  Start start = Start::file;   ///< vertex_start or odometry_start (graph/starts/start.hpp), chordal_start (graph/starts/chordal.hpp), or relaxed_start
-                               ///< (solvers/convex_start.hpp) with the rotations of chordal_start
-  unsigned seed = 0;           ///< of the landmarks' start in odometry_start
+  Loss loss;                  ///< of every measurement but the odometry between consecutive poses and the priors
+  Start start = Start::file;  ///< vertex_start or odometry_start (graph/starts/start.hpp), chordal_start (graph/starts/chordal.hpp), or
+                              ///< relaxed_start (solvers/convex_start.hpp) with the rotations of chordal_start
+  unsigned seed = 0;  ///< of the landmarks' start in odometry_start
 };
 
 /// "file", "odometry", "chordal" or "convex"; else BadOption.
@@ -22,7 +22,7 @@ ProblemOptions::Start start_named(const std::string& name);
 struct Problem {
   Graph graph;
   Values start;
-  std::vector<FactorId> factors;  ///< one per edge of the dataset, in its order
+  std::vector<FactorId> factors;        ///< one per edge of the dataset, in its order
   std::optional<RelaxedStart> relaxed;  ///< how a convex start was found
 };
 

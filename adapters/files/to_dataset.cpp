@@ -23,14 +23,17 @@ MatrixNoise<V::dim> noise_of(const Matrix<V::dim, V::dim>& information, const V&
 /// Takes the factors of known types out of a graph, one list after the other.
 class Writer {
  public:
-  Writer(const Graph& graph, const Values& values, Format format) : graph_(graph), format_(format) { dataset_.format = format, add_vertices(values); }
+  Writer(const Graph& graph, const Values& values, Format format) : graph_(graph), format_(format) {
+    dataset_.format = format, add_vertices(values);
+  }
 
   Dataset write() {
     for (const auto& batch : graph_.batches()) {
       if (batch->size() == 0) continue;
-      const bool known = take<Between<Pose2>>(*batch) || take<Between<Pose3>>(*batch) || take<Prior<Pose2>>(*batch) || take<Prior<Pose3>>(*batch) ||
-                         take<Prior<Point2>>(*batch) || take<Prior<Point3>>(*batch) || take<RelativePoint<Pose2, Point2>>(*batch) ||
-                         take<RelativePoint<Pose3, Point3>>(*batch) || take_ranges<Pose2, Point2>(*batch) || take_ranges<Pose3, Point3>(*batch);
+      const bool known = take<Between<Pose2>>(*batch) || take<Between<Pose3>>(*batch) || take<Prior<Pose2>>(*batch) ||
+                         take<Prior<Pose3>>(*batch) || take<Prior<Point2>>(*batch) || take<Prior<Point3>>(*batch) ||
+                         take<RelativePoint<Pose2, Point2>>(*batch) || take<RelativePoint<Pose3, Point3>>(*batch) ||
+                         take_ranges<Pose2, Point2>(*batch) || take_ranges<Pose3, Point3>(*batch);
       if (!known) fail<BadOption>("no file holds ", batch->describe(0), "; remove it from the graph, or write it by hand");
     }
     std::vector<Key> fixed(graph_.fixed().begin(), graph_.fixed().end());
@@ -42,7 +45,8 @@ class Writer {
  private:
   void add_vertices(const Values& values) {
     for (Key key : values.keys())
-      if (!add_vertex<Pose2>(key, values) && !add_vertex<Pose3>(key, values) && !add_vertex<Point2>(key, values) && !add_vertex<Point3>(key, values))
+      if (!add_vertex<Pose2>(key, values) && !add_vertex<Pose3>(key, values) && !add_vertex<Point2>(key, values) &&
+          !add_vertex<Point3>(key, values))
         fail<BadOption>("no file holds ", key, ", a ", values.pool(values.slot(key).pool).type_name(), "; files have poses and points");
   }
   template <class V>
@@ -76,7 +80,8 @@ class Writer {
   Measurement edge_of(const Prior<V>& f, const Key* keys) const {
     Matrix<V::dim, V::dim> J = Matrix<V::dim, V::dim>::Identity();  // the tangent moves in the world, the deviation in the body
     if constexpr (V::dim > V::space_dim) J.template topLeftCorner<V::space_dim, V::space_dim>() = f.mean.rotation();
-    return PriorEdge<V>{keys[0], f.mean, {}, noise_of(detail::congruence<V::dim>(J, information_of(f.sqrt_information)), f.mean, format_), {}};
+    return PriorEdge<V>{
+        keys[0], f.mean, {}, noise_of(detail::congruence<V::dim>(J, information_of(f.sqrt_information)), f.mean, format_), {}};
   }
   template <class P, class L>
   Measurement edge_of(const RelativePoint<P, L>& f, const Key* keys) const {

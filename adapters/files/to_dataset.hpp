@@ -8,9 +8,9 @@
 
 namespace holdfast {
 
-/// Between, Prior, RelativePoint and Range of poses and points, without time stamps, the noise in the convention of `format`; fixed variables
-/// become FIX. BadOption names what no file holds: another factor or variable type, a loss, a weight. (What the chosen format cannot hold, its
-/// writer names.)
+/// Between, Prior, RelativePoint and Range of poses and points, without time stamps, the noise in the convention of `format`; fixed
+/// variables become FIX. BadOption names what no file holds: another factor or variable type, a loss, a weight. (What the chosen format
+/// cannot hold, its writer names.)
 Dataset to_dataset(const Graph& graph, const Values& values, Format format);
 
 }  // namespace holdfast

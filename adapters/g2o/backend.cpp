@@ -9,8 +9,8 @@
 #endif
 
 #include <cmath>
-#include <holdfast/adapters/g2o/g2o.hpp>
 #include <holdfast/adapters/g2o/backend.hpp>
+#include <holdfast/adapters/g2o/g2o.hpp>
 #include <holdfast/solvers/internal/foreign_backend.hpp>
 
 namespace holdfast {

@@ -2,8 +2,8 @@
 #include <gtsam/nonlinear/LevenbergMarquardtOptimizer.h>
 
 #include <cmath>
-#include <holdfast/adapters/gtsam/gtsam.hpp>
 #include <holdfast/adapters/gtsam/backend.hpp>
+#include <holdfast/adapters/gtsam/gtsam.hpp>
 #include <holdfast/solvers/internal/foreign_backend.hpp>
 
 namespace holdfast {

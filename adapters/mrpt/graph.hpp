@@ -73,7 +73,8 @@ Network to_mrpt(const Graph& graph, const Values& values) {
   };
   Network network;
   for (Key key : values.keys()) {
-    if (!values.contains<Pose>(key)) fail<BadOption>("a network of poses cannot hold ", key, ": it is no ", Pose::name(), "; leave it out of the values");
+    if (!values.contains<Pose>(key))
+      fail<BadOption>("a network of poses cannot hold ", key, ": it is no ", Pose::name(), "; leave it out of the values");
     static_cast<Theirs&>(network.nodes[id_of(key)]) = values.at<Theirs>(key);
   }
   for (const auto& batch : graph.batches())
@@ -82,16 +83,19 @@ Network to_mrpt(const Graph& graph, const Values& values) {
   graph.for_each_batch<Between<Pose>>([&](const Batch<Between<Pose>>& batch) {
     for (int i = 0; i < batch.size(); ++i) {
       if (batch.loss().kind != Loss::Kind::Squared || batch.weight(i) != 1)
-        fail<BadOption>("a network of poses cannot hold the loss ", batch.loss().str(), " and weight ", batch.weight(i), " of ", batch.describe(i),
-                        "; give it to the optimizer instead");
+        fail<BadOption>("a network of poses cannot hold the loss ", batch.loss().str(), " and weight ", batch.weight(i), " of ",
+                        batch.describe(i), "; give it to the optimizer instead");
       const Between<Pose>& between = batch.factors()[i];
       const Matrix<Pose::dim, Pose::dim> I = between.sqrt_information.transpose() * between.sqrt_information;
       network.insertEdge(id_of(batch.keys(i)[0]), id_of(batch.keys(i)[1]), Constraint::make(between.measured, I));
     }
   });
-  if (graph.fixed().size() > 1) fail<BadOption>("a network of poses has one root, but ", graph.fixed().size(), " poses are fixed; unfix all but one");
-  if (!graph.fixed().empty()) network.root = id_of(*graph.fixed().begin());
-  else if (!network.nodes.empty()) network.root = network.nodes.begin()->first;
+  if (graph.fixed().size() > 1)
+    fail<BadOption>("a network of poses has one root, but ", graph.fixed().size(), " poses are fixed; unfix all but one");
+  if (!graph.fixed().empty())
+    network.root = id_of(*graph.fixed().begin());
+  else if (!network.nodes.empty())
+    network.root = network.nodes.begin()->first;
   return network;
 }
 

@@ -44,7 +44,8 @@ Matrix<3, 3> mrpt_coordinates(const Pose2& measured) {
 Matrix<6, 6> mrpt_coordinates(const Pose3& measured) {
   const CPose3D pose = StandsFor<CPose3D>::theirs(measured);
   if (std::abs(std::cos(pose.pitch())) < 1e-6)
-    fail<BadNumber>("a pose of pitch ", pose.pitch(), " rad has no yaw and roll of its own, so its Gaussian in yaw, pitch and roll means nothing; "
+    fail<BadNumber>("a pose of pitch ", pose.pitch(),
+                    " rad has no yaw and roll of its own, so its Gaussian in yaw, pitch and roll means nothing; "
                     "turn the sensor's frame, or give the measurement as a Between");
   Matrix<6, 6> J = Matrix<6, 6>::Zero();
   J.topLeftCorner<3, 3>() = measured.rotation();

@@ -6,10 +6,10 @@
 //   optimizer.loss = Cauchy{2};                                     // of every edge but those between consecutive nodes
 //   CGraphSlamEngine<CNetworkOfPoses2DInf> engine(config, rawlog, "", nullptr, &nodes, &edges, &optimizer);
 //
-// The section [OptimizerParameters] of the engine's configuration may name holdfast_backend and holdfast_loss ("cauchy:2"). The whole graph is
-// solved, from its present nodes, whenever nodes or edges have come; a solve that fails is logged, and leaves the nodes as they were.
-// The engine puts its own Dijkstra estimate over the nodes after every step that registered one, whatever the optimizer: the optimized poses
-// are those of `answer`.
+// The section [OptimizerParameters] of the engine's configuration may name holdfast_backend and holdfast_loss ("cauchy:2"). The whole graph
+// is solved, from its present nodes, whenever nodes or edges have come; a solve that fails is logged, and leaves the nodes as they were.
+// The engine puts its own Dijkstra estimate over the nodes after every step that registered one, whatever the optimizer: the optimized
+// poses are those of `answer`.
 #pragma once
 
 #include <mrpt/config/CConfigFile.h>

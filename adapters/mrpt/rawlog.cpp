@@ -45,7 +45,8 @@ class Reader {
           unknown("a comment or annotation");
       }
     }
-    if (dataset_.edges.empty()) fail<BadFile>(path_, ": it holds neither odometry nor ranges that could be used; ", unknown_report(dataset_));
+    if (dataset_.edges.empty())
+      fail<BadFile>(path_, ": it holds neither odometry nor ranges that could be used; ", unknown_report(dataset_));
     return std::move(dataset_);
   }
 
@@ -76,7 +77,8 @@ class Reader {
   void step(const Pdf& change) {
     using V = typename MrptConstraint<Pdf>::Pose;
     const V measured = MrptConstraint<Pdf>::measured(change);
-    const MatrixNoise<V::dim> of_deviation{detail::inverse_of(MrptConstraint<Pdf>::information(change), "information of an action"), Format::PyFG};
+    const MatrixNoise<V::dim> of_deviation{detail::inverse_of(MrptConstraint<Pdf>::information(change), "information of an action"),
+                                           Format::PyFG};
     add(RelativePoseEdge<V>{kPose(pose_), kPose(pose_ + 1), measured, {}, of_deviation.converted(Format::Toro, measured)}, {});
     ++pose_;
   }

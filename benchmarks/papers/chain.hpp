@@ -37,8 +37,8 @@ class Chain {
   void set(const std::vector<ChainNode>& nodes, const std::optional<Prior<Motion2>>& arrival);
   /// Solves, polishes (polish.hpp), and writes the answer into the nodes, those of set().
   Summary solve(Backend& backend, std::vector<ChainNode>& nodes);
-  /// What is left when the first node leaves: solvers/window/marginalize.hpp, measurements at their weights at its state. An arrival cost of the
-  /// second, exact for a chain: it is what a Kalman step makes of it.
+  /// What is left when the first node leaves: solvers/window/marginalize.hpp, measurements at their weights at its state. An arrival cost
+  /// of the second, exact for a chain: it is what a Kalman step makes of it.
   Prior<Motion2> marginalized(const Prior<Motion2>& arrival, const ChainNode& first, const ChainNode& second);
 
   const Graph& graph() const { return graph_; }

@@ -2,7 +2,8 @@
 //
 // A state every `spacing` samples is enough for a drone that flies smoothly; a sample τ after it measures p + τ v (τ ≤ 0.5 s: what the turn
 // adds to that, ½ v ω τ² = 1 mm, is left out). The residual is robust one by one.
-//   lag 0   the latest state, its samples so far, and the arrival cost: what all before says of it, marginalised (solvers/window/marginalize.hpp)
+//   lag 0   the latest state, its samples so far, and the arrival cost: what all before says of it, marginalised
+//   (solvers/window/marginalize.hpp)
 //           where its next state begins
 //   later   `window` states with the turns between them (coordinated_turn.hpp), solved whenever one is complete
 // A sample is flagged as an outlier where it is further than `outlier` from the answer of the state that holds it, when that is complete.

@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <holdfast/common/machine.hpp>
 #include <holdfast/benchmarks/papers/paper_cells.hpp>
-#include <holdfast/graph/factor.hpp>
+#include <holdfast/common/machine.hpp>
 #include <holdfast/graph/detail/parallel.hpp>
+#include <holdfast/graph/factor.hpp>
 #include <holdfast/solvers/backend.hpp>
 #include <map>
 

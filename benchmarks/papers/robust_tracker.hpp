@@ -4,12 +4,11 @@
 //
 // Motion between two measured states, T apart, is white acceleration across and along the way the target goes, of the densities turn · v²
 // and along · v² [m²/s³] at its speed v: what a vehicle does that steers and hardly changes speed. One setting fits slow and fast targets.
-// Arrival cost: a state that leaves the window is marginalised (solvers/window/marginalize.hpp) with the weights ρ' that its measurements have
-// then.
-// A redescending loss with an arrival cost can lock onto outliers and reject all that comes after. So the tracker counts: where more than
-// half of the latest measurements are rejected (beyond 3.5 sigmas), its inliers no longer explain the data. It says so (reacquisitions()),
-// drops the arrival cost and solves the latest `memory` measured states from nothing by graduated non-convexity (gnc.hpp); whichever costs
-// less goes on.
+// Arrival cost: a state that leaves the window is marginalised (solvers/window/marginalize.hpp) with the weights ρ' that its measurements
+// have then. A redescending loss with an arrival cost can lock onto outliers and reject all that comes after. So the tracker counts: where
+// more than half of the latest measurements are rejected (beyond 3.5 sigmas), its inliers no longer explain the data. It says so
+// (reacquisitions()), drops the arrival cost and solves the latest `memory` measured states from nothing by graduated non-convexity
+// (gnc.hpp); whichever costs less goes on.
 #pragma once
 
 #include <deque>

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
-#include <holdfast/common/machine.hpp>
 #include <holdfast/benchmarks/race.hpp>
 #include <holdfast/benchmarks/scenarios/random.hpp>
+#include <holdfast/common/machine.hpp>
 #include <holdfast/common/table.hpp>
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/prior.hpp>
@@ -125,7 +125,9 @@ std::vector<Timed> timed() {
   five.lost = 0.2;
   five.loss = Huber{2};
   five.window.lag = 1;
-  return {{"paper A, 15 states, dropped", paper, 1'000'000}, {"paper A, 15 states, marginalised", kept, 1'000'000}, {"5 agents at 10 Hz, lag 1 s, ranges", five, 10'000}};
+  return {{"paper A, 15 states, dropped", paper, 1'000'000},
+          {"paper A, 15 states, marginalised", kept, 1'000'000},
+          {"5 agents at 10 Hz, lag 1 s, ranges", five, 10'000}};
 }
 
 Json time(const Timed& row, unsigned seed, ProgressBar& bar) {
@@ -199,22 +201,32 @@ std::string text(const char* format, double number) {
 
 bool race_online(const RunnerOptions& options, Journal& journal, Terminal& terminal) {
   constexpr int kRuns = 500;
-  print_head(terminal.out, suites_of({"online"}).front(),
-             "A step is all of it: adding, solving (irls), letting the oldest leave; covariances are asked for nowhere but in ANEES. Positions "
-             "with sigma 1 m, ranges 0.5 m, 20 % outliers of 40 to 70 sigmas.");
+  print_head(
+      terminal.out, suites_of({"online"}).front(),
+      "A step is all of it: adding, solving (irls), letting the oldest leave; covariances are asked for nowhere but in ANEES. Positions "
+      "with sigma 1 m, ranges 0.5 m, 20 % outliers of 40 to 70 sigmas.");
   ProgressBar bar(terminal, 6);
   std::vector<Json> lines;
-  Table steps({{"window", Table::Align::left}, {"steps", Table::Align::right}, {"median [µs]", Table::Align::right}, {"p99 [µs]", Table::Align::right},
-               {"worst [µs]", Table::Align::right}, {"worst on the processor", Table::Align::right},
-               {"add, mean", Table::Align::right}, {"solve", Table::Align::right}, {"leave", Table::Align::right},
-               {"memory [MB]", Table::Align::right}, {"failed", Table::Align::right}});
+  Table steps({{"window", Table::Align::left},
+               {"steps", Table::Align::right},
+               {"median [µs]", Table::Align::right},
+               {"p99 [µs]", Table::Align::right},
+               {"worst [µs]", Table::Align::right},
+               {"worst on the processor", Table::Align::right},
+               {"add, mean", Table::Align::right},
+               {"solve", Table::Align::right},
+               {"leave", Table::Align::right},
+               {"memory [MB]", Table::Align::right},
+               {"failed", Table::Align::right}});
   for (const Timed& row : timed()) {
     const Json line = lines.emplace_back(time(row, options.seed, bar));
-    steps.add({line["window"], line["steps"].dump(), text("%.1f", line["median_us"]), text("%.1f", line["p99_us"]), text("%.0f", line["worst_us"]),
-               text("%.1f", line["add_us"]), text("%.1f", line["solve_us"]), text("%.1f", line["marginalize_us"]),
-               text("%+.2f", line["memory_growth_mb"]), line["failed"].dump()});
+    steps.add({line["window"], line["steps"].dump(), text("%.1f", line["median_us"]), text("%.1f", line["p99_us"]),
+               text("%.0f", line["worst_us"]), text("%.1f", line["add_us"]), text("%.1f", line["solve_us"]),
+               text("%.1f", line["marginalize_us"]), text("%+.2f", line["memory_growth_mb"]), line["failed"].dump()});
   }
-  Table anees({{"marginalised window of 14 states, after 100 steps", Table::Align::left}, {"runs", Table::Align::right}, {"ANEES / 4", Table::Align::right},
+  Table anees({{"marginalised window of 14 states, after 100 steps", Table::Align::left},
+               {"runs", Table::Align::right},
+               {"ANEES / 4", Table::Align::right},
                {"95 % band", Table::Align::right}});
   const auto consistent = [&](const std::string& name, double outliers, const Loss& loss) {
     const Json line = lines.emplace_back(consistency(name, outliers, loss, kRuns, options.seed, bar));

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cstdio>
-#include <holdfast/common/machine.hpp>
 #include <holdfast/benchmarks/race.hpp>
 #include <holdfast/benchmarks/scenarios/scenario.hpp>
+#include <holdfast/common/machine.hpp>
 #include <holdfast/common/table.hpp>
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/white_acceleration.hpp>

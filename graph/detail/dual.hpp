@@ -9,8 +9,8 @@ namespace holdfast {
 
 template <int N>
 struct Dual {
-  double a = 0;                       ///< value
-  Vector<N> v = Vector<N>::Zero();    ///< derivatives
+  double a = 0;                     ///< value
+  Vector<N> v = Vector<N>::Zero();  ///< derivatives
 
   Dual() = default;
   Dual(double value) : a(value) {}
@@ -48,9 +48,7 @@ struct Dual {
   friend Dual log(const Dual& x) { return {std::log(x.a), x.v / x.a}; }
   friend Dual abs(const Dual& x) { return x.a < 0 ? -x : x; }
   friend Dual pow(const Dual& x, double k) { return {std::pow(x.a, k), k * std::pow(x.a, k - 1) * x.v}; }
-  friend Dual atan2(const Dual& y, const Dual& x) {
-    return {std::atan2(y.a, x.a), (x.a * y.v - y.a * x.v) / (x.a * x.a + y.a * y.a)};
-  }
+  friend Dual atan2(const Dual& y, const Dual& x) { return {std::atan2(y.a, x.a), (x.a * y.v - y.a * x.v) / (x.a * x.a + y.a * y.a)}; }
   friend Dual hypot(const Dual& x, const Dual& y) { return sqrt(x * x + y * y); }
   friend Dual max(const Dual& x, const Dual& y) { return x.a < y.a ? y : x; }
   friend Dual min(const Dual& x, const Dual& y) { return y.a < x.a ? y : x; }

@@ -10,7 +10,7 @@
 namespace holdfast {
 
 struct FactorType {
-  std::string name;  ///< "holdfast::Prior<holdfast::Pose2T<double> >"
+  std::string name;   ///< "holdfast::Prior<holdfast::Pose2T<double> >"
   std::size_t bytes;  ///< of the struct; 0: it owns memory
   std::unique_ptr<FactorBatch> (*make)(const Loss& loss);
   const void* (*at)(const FactorBatch& batch, int i);

@@ -115,7 +115,10 @@ struct BinaryIo {
     const double* x = prior.x0.data();
     for (std::size_t k = 0; k < prior.keys.size(); ++k) {
       const PoolBase& type = *prior.types[k];
-      out.put(prior.keys[k]).put(std::string_view(type.type_name())).put<std::int32_t>(type.ambient()).put(x, sizeof(double) * type.ambient());
+      out.put(prior.keys[k])
+          .put(std::string_view(type.type_name()))
+          .put<std::int32_t>(type.ambient())
+          .put(x, sizeof(double) * type.ambient());
       x += type.ambient();
     }
     out.put<std::int32_t>(prior.rows).put(prior.constant);
@@ -131,7 +134,8 @@ struct BinaryIo {
   }
   // Leaves the factors' numbers in graph.free_ so that enter() hands them out in the batches' order; returns the numbers that stay free.
   static std::vector<int> read_ids(io::ByteReader& in, Graph& graph) {
-    for (std::size_t size = in.get_count(sizeof(std::uint32_t)); size > 0; --size) graph.places_.push_back({-1, -1, in.get<std::uint32_t>()});
+    for (std::size_t size = in.get_count(sizeof(std::uint32_t)); size > 0; --size)
+      graph.places_.push_back({-1, -1, in.get<std::uint32_t>()});
     const std::size_t count_free = in.get_count(sizeof(std::int32_t));
     if (count_free > graph.places_.size()) fail<BadFile>("it has ", count_free, " free factor numbers of ", graph.places_.size());
     std::vector<int> numbers;

@@ -42,7 +42,7 @@ class ByteReader {
   }
   const char* take(std::size_t size);
   void require(std::size_t size) const;  ///< so many bytes are left
-  bool get_bool();  ///< a byte, 0 or 1
+  bool get_bool();                       ///< a byte, 0 or 1
   std::string get_text();
   Key get_key();
   /// A number of things, each of at least `bytes`; BadFile where so many cannot follow.

@@ -9,8 +9,8 @@
 // then nothing is loaded.
 #pragma once
 
-#include <holdfast/graph/files/dataset.hpp>
 #include <holdfast/graph/error.hpp>
+#include <holdfast/graph/files/dataset.hpp>
 #include <iosfwd>
 #include <string>
 

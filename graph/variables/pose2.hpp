@@ -14,8 +14,8 @@ struct Pose2T {
   template <class U>
   using rebind = Pose2T<U>;
 
-  VectorT<T, 2> p{T(0), T(0)};         ///< p_world [m]
-  VectorT<T, 2> heading{T(1), T(0)};   ///< (cos θ, sin θ): the body's x axis in the world
+  VectorT<T, 2> p{T(0), T(0)};        ///< p_world [m]
+  VectorT<T, 2> heading{T(1), T(0)};  ///< (cos θ, sin θ): the body's x axis in the world
 
   Pose2T() = default;
   Pose2T(T x, T y, T theta) : p(x, y) {

@@ -15,8 +15,8 @@ struct Pose3T {
   template <class U>
   using rebind = Pose3T<U>;
 
-  VectorT<T, 3> p{T(0), T(0), T(0)};             ///< p_world [m]
-  Rotation q{T(1), T(0), T(0), T(0)};            ///< unit quaternion of R_world_body
+  VectorT<T, 3> p{T(0), T(0), T(0)};   ///< p_world [m]
+  Rotation q{T(1), T(0), T(0), T(0)};  ///< unit quaternion of R_world_body
 
   Pose3T() = default;
   Pose3T(const VectorT<T, 3>& position, const Rotation& rotation) : p(position), q(rotation) {}

@@ -24,7 +24,8 @@ class VariableManifold final : public ceres::Manifold {
     return true;
   }
   bool PlusJacobian(const double*, double* jacobian) const override {
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobian, AmbientSize(), TangentSize()).setIdentity();
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobian, AmbientSize(), TangentSize())
+        .setIdentity();
     return true;
   }
   bool Minus(const double* y, const double* x, double* delta) const override {
@@ -32,7 +33,8 @@ class VariableManifold final : public ceres::Manifold {
     return true;
   }
   bool MinusJacobian(const double*, double* jacobian) const override {
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobian, TangentSize(), AmbientSize()).setIdentity();
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobian, TangentSize(), AmbientSize())
+        .setIdentity();
     return true;
   }
 
@@ -143,8 +145,8 @@ void build(const Graph& graph, const Resolved& resolved, Values& x, ceres::Probl
         ambient[k] = x.pool(v.pool).ambient();
       }
       const bool plain = folded || (loss.kind == Loss::Kind::Squared && batch.weight(i) == 1);
-      problem.AddResidualBlock(new FactorCost(batch, i, ambient, folded), plain ? nullptr : new CeresLoss(loss, batch.weight(i), batch.residual_dim()),
-                               blocks);
+      problem.AddResidualBlock(new FactorCost(batch, i, ambient, folded),
+                               plain ? nullptr : new CeresLoss(loss, batch.weight(i), batch.residual_dim()), blocks);
     }
   }
 }
@@ -175,8 +177,9 @@ void read_outcome(const ceres::Solver::Summary& outcome, Progress& progress) {
     case ceres::CONVERGENCE:
       return progress.end(Termination::converged, "Ceres converged");
     case ceres::NO_CONVERGENCE:
-      return outcome.message.find("solver time") != std::string::npos ? progress.end(Termination::time_limit, "time_limit reached")
-                                                                                    : progress.end(Termination::iteration_limit, "max_iterations reached");
+      return outcome.message.find("solver time") != std::string::npos
+                 ? progress.end(Termination::time_limit, "time_limit reached")
+                 : progress.end(Termination::iteration_limit, "max_iterations reached");
     case ceres::USER_SUCCESS:
       return;  // Callback has said why
     default:

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <holdfast/solvers/irls/internal/workspace.hpp>
 #include <holdfast/solvers/irls/internal/line_search.hpp>
+#include <holdfast/solvers/irls/internal/workspace.hpp>
 
 namespace holdfast {
 namespace {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <holdfast/graph/starts/chordal.hpp>
-#include <holdfast/solvers/irls/irls.hpp>
 #include <holdfast/solvers/irls/internal/workspace.hpp>
+#include <holdfast/solvers/irls/irls.hpp>
 #include <holdfast/solvers/linear/internal/linear_rows.hpp>
 
 namespace holdfast {

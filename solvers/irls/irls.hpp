@@ -7,8 +7,8 @@
 // Where every factor is linear, Jacobians are computed once and residuals move along r + α J δ, so that the line search along δ
 // is exact and costs next to nothing.
 // Where a step fails, or lowers the cost by less than half or more than one and a half times what the model said, on a graph of poses
-// alone, the start is poor, or the valley is. The chordal start (graph/starts/chordal.hpp) is then tried: at once where it costs less than the
-// best values so far, otherwise after the descent from the given start, and the lower end of the two is the answer (Options::restart).
+// alone, the start is poor, or the valley is. The chordal start (graph/starts/chordal.hpp) is then tried: at once where it costs less than
+// the best values so far, otherwise after the descent from the given start, and the lower end of the two is the answer (Options::restart).
 // A solver object keeps the resolved problem, the ordering and the symbolic factorisation, and uses them again as long as
 // neither the graph's nor the values' structure changes.
 #pragma once

@@ -19,7 +19,8 @@ Irls::Workspace::Workspace(const Graph& graph, const Values& values, int threads
       best(values),
       candidate(values) {
   const std::size_t n = resolved.tangent_dim();
-  for (std::vector<double>* v : {&damping, &diagonal, &rhs, &step, &tangent, &bend, &acceleration, &newton, &steepest, &H_steepest}) v->resize(n);
+  for (std::vector<double>* v : {&damping, &diagonal, &rhs, &step, &tangent, &bend, &acceleration, &newton, &steepest, &H_steepest})
+    v->resize(n);
   for (const Resolved::Batch& batch : resolved.batches()) {
     offsets.emplace_back();
     for (int v : batch.variable) offsets.back().push_back(resolved.variables()[v].offset);

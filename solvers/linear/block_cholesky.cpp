@@ -7,9 +7,9 @@
 namespace holdfast {
 namespace {
 
-constexpr int kSlack = 16;          // doubles behind each matrix: the kernels read past the last column by up to one vector
-constexpr int kTasks = 16;          // subtrees of at most this part of the work are tasks of their own
-constexpr int kColumnsPerTask = 64; // of a large update that several threads share
+constexpr int kSlack = 16;              // doubles behind each matrix: the kernels read past the last column by up to one vector
+constexpr int kTasks = 16;              // subtrees of at most this part of the work are tasks of their own
+constexpr int kColumnsPerTask = 64;     // of a large update that several threads share
 constexpr double kParallelFront = 2e6;  // multiply–adds from which an update is shared
 
 // First-fit memory planning: where each update lives while it lives.

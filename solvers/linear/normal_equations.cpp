@@ -74,7 +74,8 @@ int NormalEquations::block_at(int row, int column) const {
   return pattern_.block_begin[std::lower_bound(begin, end, row) - pattern_.rows.begin()];
 }
 
-void NormalEquations::plan_batch(const FactorBatch& factors, const Resolved::Batch& batch, const std::vector<int>& position, Plan& plan) const {
+void NormalEquations::plan_batch(const FactorBatch& factors, const Resolved::Batch& batch, const std::vector<int>& position,
+                                 Plan& plan) const {
   const std::vector<int>& dims = factors.dims();
   const int arity = factors.arity();
   for (int b = 0; b < arity; ++b)
@@ -97,7 +98,8 @@ void NormalEquations::plan_batch(const FactorBatch& factors, const Resolved::Bat
   }
 }
 
-void NormalEquations::scatter(const FactorBatch& factors, const Plan& plan, int first, int last, const double* contributions, const Part& part) {
+void NormalEquations::scatter(const FactorBatch& factors, const Plan& plan, int first, int last, const double* contributions,
+                              const Part& part) {
   const int n = static_cast<int>(plan.rows.size());
   const int blocks = n - factors.arity();
   for (int f = first; f < last; ++f, contributions += factors.stride()) {
@@ -128,14 +130,15 @@ NormalEquations::Part NormalEquations::part_of(int part, int parts) const {
           pattern_.offsets[last]};
 }
 
-double NormalEquations::linearize(const Graph& graph, const Resolved& resolved, const Values& values, Curvature curvature, ThreadPool* pool) {
+double NormalEquations::linearize(const Graph& graph, const Resolved& resolved, const Values& values, Curvature curvature,
+                                  ThreadPool* pool) {
   return accumulate(graph, pool, [&](int b, int first, int last, double* out) {
     graph.batches()[b]->contributions(values, resolved.batches()[b].index.data(), first, last, curvature, out);
   });
 }
 
-double NormalEquations::linearize_at(const Graph& graph, const std::vector<std::vector<double>>& r, const std::vector<std::vector<double>>& J,
-                                     Curvature curvature, ThreadPool* pool) {
+double NormalEquations::linearize_at(const Graph& graph, const std::vector<std::vector<double>>& r,
+                                     const std::vector<std::vector<double>>& J, Curvature curvature, ThreadPool* pool) {
   return accumulate(graph, pool, [&](int b, int first, int last, double* out) {
     const FactorBatch& factors = *graph.batches()[b];
     const std::size_t row = static_cast<std::size_t>(first) * factors.residual_dim();

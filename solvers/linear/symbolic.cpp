@@ -16,8 +16,8 @@ double seconds_of_front(double k, double n) {
 }
 
 struct Node {
-  std::vector<int> columns;   // positions in the given order
-  std::vector<int> rows;      // positions below the columns, sorted
+  std::vector<int> columns;  // positions in the given order
+  std::vector<int> rows;     // positions below the columns, sorted
   std::vector<int> children;
   int parent = -1;
   double k = 0, n = 0;
@@ -62,10 +62,13 @@ class Tree {
       Node& parent = nodes_[s];
       std::vector<int> candidates = std::move(parent.children);
       parent.children.clear();
-      std::sort(candidates.begin(), candidates.end(), [&](int a, int b) { return nodes_[a].rows.size() > nodes_[b].rows.size() || (nodes_[a].rows.size() == nodes_[b].rows.size() && a < b); });
+      std::sort(candidates.begin(), candidates.end(), [&](int a, int b) {
+        return nodes_[a].rows.size() > nodes_[b].rows.size() || (nodes_[a].rows.size() == nodes_[b].rows.size() && a < b);
+      });
       for (int c : candidates) {
         Node& child = nodes_[c];
-        const bool merge = seconds_of_front(child.k + parent.k, child.k + parent.n) < seconds_of_front(child.k, child.n) + seconds_of_front(parent.k, parent.n);
+        const bool merge = seconds_of_front(child.k + parent.k, child.k + parent.n) <
+                           seconds_of_front(child.k, child.n) + seconds_of_front(parent.k, parent.n);
         if (!merge) {
           parent.children.push_back(c);
           continue;

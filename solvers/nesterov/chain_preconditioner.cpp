@@ -9,7 +9,8 @@ namespace {
 BlockGraph chains_of(const BlockGraph& all, const Resolved& resolved, const std::vector<int>& variable) {
   std::vector<int> by_key(all.size());
   std::iota(by_key.begin(), by_key.end(), 0);
-  std::sort(by_key.begin(), by_key.end(), [&](int a, int b) { return resolved.variables()[variable[a]].key < resolved.variables()[variable[b]].key; });
+  std::sort(by_key.begin(), by_key.end(),
+            [&](int a, int b) { return resolved.variables()[variable[a]].key < resolved.variables()[variable[b]].key; });
   std::vector<int> rank(all.size());
   for (int i = 0; i < all.size(); ++i) rank[by_key[i]] = i;
   const auto agent = [&](int node) { return resolved.variables()[variable[node]].key.agent(); };
@@ -46,7 +47,8 @@ ChainPreconditioner::Ordered ChainPreconditioner::order_of(const Graph& graph, c
 ChainPreconditioner::ChainPreconditioner(const Graph& graph, const Resolved& resolved)
     : ChainPreconditioner(graph, resolved, order_of(graph, resolved)) {}
 
-ChainPreconditioner::ChainPreconditioner(const Graph& graph, const Resolved& resolved, Ordered ordered) : normal_(graph, resolved, ordered.order) {
+ChainPreconditioner::ChainPreconditioner(const Graph& graph, const Resolved& resolved, Ordered ordered)
+    : normal_(graph, resolved, ordered.order) {
   const BlockPattern& H = normal_.pattern();
   chains_.dims = H.dims;
   chains_.offsets = H.offsets;
@@ -56,7 +58,8 @@ ChainPreconditioner::ChainPreconditioner(const Graph& graph, const Resolved& res
     const int node = ordered.symbolic.order[column];
     for (int b = H.column_begin[column]; b < H.column_begin[column + 1]; ++b) {
       const int other = ordered.symbolic.order[H.rows[b]];
-      const auto first = ordered.chains.neighbours.begin() + ordered.chains.begin[node], last = ordered.chains.neighbours.begin() + ordered.chains.begin[node + 1];
+      const auto first = ordered.chains.neighbours.begin() + ordered.chains.begin[node],
+                 last = ordered.chains.neighbours.begin() + ordered.chains.begin[node + 1];
       if (other != node && !std::binary_search(first, last, other)) continue;
       chains_.rows.push_back(H.rows[b]);
       for (int k = H.block_begin[b]; k < H.block_begin[b + 1]; ++k) kept_.push_back(k);

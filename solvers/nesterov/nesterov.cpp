@@ -1,17 +1,17 @@
 #include <cmath>
 #include <holdfast/graph/gradient.hpp>
-#include <holdfast/solvers/nesterov/internal/chain_preconditioner.hpp>
 #include <holdfast/solvers/internal/minimizer.hpp>
+#include <holdfast/solvers/nesterov/internal/chain_preconditioner.hpp>
 #include <holdfast/solvers/nesterov/nesterov.hpp>
 
 namespace holdfast {
 namespace {
 
 constexpr int kMaxIterations = 10000;
-constexpr double kRounding = 1e-14;     // of the cost: what a comparison of two costs can tell
-constexpr double kMostLipschitz = 1e30; // in the metric P, where 2 bounds any graph of pairwise linear factors
-constexpr double kSteep = 8;            // an L above this says that P misses curvature
-constexpr int kPatience = 50;           // iterations over which a slow decrease is measured
+constexpr double kRounding = 1e-14;      // of the cost: what a comparison of two costs can tell
+constexpr double kMostLipschitz = 1e30;  // in the metric P, where 2 bounds any graph of pairwise linear factors
+constexpr double kSteep = 8;             // an L above this says that P misses curvature
+constexpr int kPatience = 50;            // iterations over which a slow decrease is measured
 
 }  // namespace
 

@@ -79,8 +79,8 @@ void Marginalizer::find_neighbours(const Graph& graph, const Values& values, Key
       if (known == neighbours_.end()) neighbours_.push_back({other, values.slot(other), 0});
       const PoolBase& pool = values.pool(values.slot(other).pool);
       if (pool.type() != batch.types()[k])
-        fail<BadType>("factor ", batch.describe(place.index), ": key ", other, " is a ", pool.type_name(), " in the values, but the factor needs a ",
-                      batch.type_names()[k]);
+        fail<BadType>("factor ", batch.describe(place.index), ": key ", other, " is a ", pool.type_name(),
+                      " in the values, but the factor needs a ", batch.type_names()[k]);
     }
   }
   std::sort(neighbours_.begin() + 1, neighbours_.end(), [](const Neighbour& a, const Neighbour& b) {
@@ -128,7 +128,8 @@ void Marginalizer::stack_factor(const FactorBatch& batch, int i, const Values& v
   batch.evaluate_at(i, ambient_.data(), r_.data(), J_.data());
   const double cost = batch.cost_of(i, r_.data(), weights_.data());
   if (!std::isfinite(cost) || !all_finite(r_) || !all_finite(J_))
-    fail<BadNumber>("factor ", batch.describe(i), ": its residual or Jacobian is not finite at these values, so nothing can be kept of it; remove it first");
+    fail<BadNumber>("factor ", batch.describe(i),
+                    ": its residual or Jacobian is not finite at these values, so nothing can be kept of it; remove it first");
   constant_ += cost;
   for (int c = 0; c < m; ++c) {
     constant_ -= 0.5 * weights_[c] * r_[c] * r_[c];
@@ -156,7 +157,8 @@ int Marginalizer::triangulate(int first_row, int begin, int end) {
       std::fill(x + row, x + rows_, 0.0);
       continue;
     }
-    const int largest = static_cast<int>(std::max_element(x + row, x + rows_, [](double a, double b) { return std::abs(a) < std::abs(b); }) - x);
+    const int largest =
+        static_cast<int>(std::max_element(x + row, x + rows_, [](double a, double b) { return std::abs(a) < std::abs(b); }) - x);
     if (largest != row)
       for (int k = c; k <= columns_; ++k) std::swap(column(k)[row], column(k)[largest]);
     const double pivot = x[row] > 0 ? -size : size;  // v = x − pivot e₁, H = I − v vᵀ / (pivot² − pivot x₁)

@@ -22,7 +22,8 @@ Stream::Stream(End a, End b, double first, double period) : a_(a), b_(b), first_
 std::int64_t Stream::number_at(double time) const {
   const double number = std::round((time - first_) / period_);
   if (!(number >= 0 && number < 9e15))
-    fail<BadTime>("a measurement at ", time, " s was never expected: the first of its stream is due at ", first_, " s, one each ", period_, " s");
+    fail<BadTime>("a measurement at ", time, " s was never expected: the first of its stream is due at ", first_, " s, one each ", period_,
+                  " s");
   return static_cast<std::int64_t>(number);
 }
 
@@ -44,7 +45,8 @@ void Stream::forget_old(const Window& window) {
 std::size_t Stream::place(Window& window, std::int64_t number) {
   constexpr std::int64_t kMostAtOnce = 1'000'000;
   if (number >= next_ + kMostAtOnce)
-    fail<BadTime>("a measurement due at ", due(number), " s is more than ", kMostAtOnce, " periods ahead of the last one expected; repair the clock");
+    fail<BadTime>("a measurement due at ", due(number), " s is more than ", kMostAtOnce,
+                  " periods ahead of the last one expected; repair the clock");
   for (; next_ <= number; ++next_) {
     ++counts_[static_cast<int>(Arrival::dropped)];
     entries_.push_back({next_, Arrival::dropped, {}});
@@ -129,7 +131,8 @@ void Stream::read(io::ByteReader& in, const Graph& graph) {
 }
 
 void Schedule::require(int stream) const {
-  if (stream < 0 || stream >= static_cast<int>(streams_.size())) fail<BadKey>("there is no stream ", stream, "; expect() returns their numbers");
+  if (stream < 0 || stream >= static_cast<int>(streams_.size()))
+    fail<BadKey>("there is no stream ", stream, "; expect() returns their numbers");
 }
 
 std::string Schedule::save() const {
@@ -141,7 +144,8 @@ std::string Schedule::save() const {
 
 void Schedule::restore(std::string_view bytes) {
   io::ByteReader in(bytes);
-  if (in.get<std::uint64_t>() != streams_.size()) fail<BadFile>("the schedule saved has another number of streams than the ", streams_.size(), " here");
+  if (in.get<std::uint64_t>() != streams_.size())
+    fail<BadFile>("the schedule saved has another number of streams than the ", streams_.size(), " here");
   for (auto& stream : streams_) stream->read(in, window_.graph());
 }
 

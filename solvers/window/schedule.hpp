@@ -38,7 +38,7 @@ class Stream {
   struct Entry {
     std::int64_t number;  ///< due at first + number · period
     Arrival arrival;
-    FactorId factor;      ///< number −1: none
+    FactorId factor;  ///< number −1: none
   };
   const std::deque<Entry>& entries() const { return entries_; }  ///< of those whose states may be in the window, oldest first
   std::size_t count(Arrival arrival) const { return counts_[static_cast<int>(arrival)]; }  ///< since the beginning
@@ -63,8 +63,8 @@ class Stream {
   /// add_missing(), or nothing where the window has no place for it.
   FactorId bound(Window& window, std::size_t i);
   virtual FactorId add_missing(Window& window, std::size_t i) = 0;
-  virtual void moved_up() = 0;     ///< the first entry leaves
-  virtual void made_room() = 0;    ///< an entry was appended
+  virtual void moved_up() = 0;   ///< the first entry leaves
+  virtual void made_room() = 0;  ///< an entry was appended
   virtual void write_measurements(io::ByteWriter& out) const = 0;
   virtual void read_measurements(io::ByteReader& in) = 0;
 
@@ -167,7 +167,8 @@ class Schedule {
   template <class F>
   void receive(int stream, double time, const F& factor, const Loss& loss = {}) {
     require(stream);
-    if (types_[stream] != typeid(F)) fail<BadType>("stream ", stream, " is not of ", factor_name<F>(), "; give it the type it was expected with");
+    if (types_[stream] != typeid(F))
+      fail<BadType>("stream ", stream, " is not of ", factor_name<F>(), "; give it the type it was expected with");
     receivers_[stream](*streams_[stream], window_, time, &factor, loss);
   }
   void lose(int stream, double time, Arrival why) { require(stream), streams_[stream]->lose(window_, time, why); }

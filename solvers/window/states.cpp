@@ -31,7 +31,8 @@ const Window::Agent& Window::known(char letter) const {
 void Window::enter_agent(char letter, std::unique_ptr<MotionModel> motion) {
   require_no_agent(Key(letter, 0));
   for (Key key : values_.keys())
-    if (key.agent() == letter) fail<BadKey>("agent ", std::string(1, letter), ": there is a landmark ", key, " of this letter; choose another one");
+    if (key.agent() == letter)
+      fail<BadKey>("agent ", std::string(1, letter), ": there is a landmark ", key, " of this letter; choose another one");
   agents_.push_back({letter, std::move(motion), {}, 0});
 }
 
@@ -93,11 +94,13 @@ void Window::require_time(double time) const {
 }
 
 void Window::require_no_agent(Key key) const {
-  if (has_agent(key.agent())) fail<BadKey>("key ", key, ": there is an agent ", std::string(1, key.agent()), " in the window; choose another letter");
+  if (has_agent(key.agent()))
+    fail<BadKey>("key ", key, ": there is an agent ", std::string(1, key.agent()), " in the window; choose another letter");
 }
 
 void Window::fail_unknown(Key key, const std::string& factor) const {
-  fail<BadKey>("factor ", factor, ": key ", key, " is not in the window: it was never added, has left, or was an empty state merged into one motion; ask at(agent, time)");
+  fail<BadKey>("factor ", factor, ": key ", key,
+               " is not in the window: it was never added, has left, or was an empty state merged into one motion; ask at(agent, time)");
 }
 
 // Checks first, so that a refused state leaves no trace.
@@ -107,7 +110,8 @@ void Window::require_new_state(Key key, double time) const {
   if (const Agent* agent = find(key.agent())) {
     for (const State& state : agent->states)
       if (same_time(state.time, time))
-        fail<BadTime>("key ", key, ": agent ", std::string(1, key.agent()), " has a state at ", time, " s already, ", state.key, "; measure that one");
+        fail<BadTime>("key ", key, ": agent ", std::string(1, key.agent()), " has a state at ", time, " s already, ", state.key,
+                      "; measure that one");
     return;
   }
   for (Key other : values_.keys())
@@ -164,10 +168,11 @@ Key Window::at(char letter, double time) {
   for (auto state = agent.states.rbegin(); state != agent.states.rend() && state->time > time - 1; ++state)
     if (same_time(state->time, time)) return state->key;
   if (agent.states.empty() || time < agent.states.front().time)
-    fail<BadTime>("agent ", std::string(1, letter), " at ", time, " s: ", agent.states.empty() ? "it has no state yet" : "its first state is later",
-                  "; add_state() tells where it starts");
+    fail<BadTime>("agent ", std::string(1, letter), " at ", time,
+                  " s: ", agent.states.empty() ? "it has no state yet" : "its first state is later", "; add_state() tells where it starts");
   if (!agent.motion)
-    fail<BadTime>("agent ", std::string(1, letter), " has no state at ", time, " s and no motion to make one from; add_agent() with a motion, or add_state() with odometry");
+    fail<BadTime>("agent ", std::string(1, letter), " has no state at ", time,
+                  " s and no motion to make one from; add_agent() with a motion, or add_state() with odometry");
   const bool merges = time > agent.states.back().time && newest_is_mergeable(agent);
   const Key key(letter, agent.next_index);
   Place place = tie(agent, key, time, merges ? 1 : 0);

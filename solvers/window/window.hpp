@@ -27,45 +27,45 @@
 
 #include <holdfast/solvers/backend.hpp>
 #include <holdfast/solvers/detail/clock.hpp>
-#include <holdfast/solvers/window/marginalize.hpp>
 #include <holdfast/solvers/marginals.hpp>
-#include <holdfast/solvers/window/detail/motion_model.hpp>
 #include <holdfast/solvers/outlier_report.hpp>
+#include <holdfast/solvers/window/detail/motion_model.hpp>
+#include <holdfast/solvers/window/marginalize.hpp>
 
 namespace holdfast {
 
 struct WindowOptions {
   enum class Leaving { marginalize, drop };
 
-  double lag = std::numeric_limits<double>::infinity();       ///< > 0 [s]
-  int max_states = 0;                    ///< >= 0: that stay of each agent after a step; 0: no limit
+  double lag = std::numeric_limits<double>::infinity();  ///< > 0 [s]
+  int max_states = 0;                                    ///< >= 0: that stay of each agent after a step; 0: no limit
   Leaving leaving = Leaving::marginalize;
-  bool collapse = true;                  ///< of m empty steps one motion factor; false: keep a state for each
-  std::string backend = "irls";          ///< backend_names()
+  bool collapse = true;          ///< of m empty steps one motion factor; false: keep a state for each
+  std::string backend = "irls";  ///< backend_names()
   Options solver;
-  bool covariances = false;              ///< WindowStep::marginals
-  bool report = false;                   ///< WindowStep::report
+  bool covariances = false;                                   ///< WindowStep::marginals
+  bool report = false;                                        ///< WindowStep::report
   double deadline = std::numeric_limits<double>::infinity();  ///< > 0 [s] of a step: the solve is cut short to keep it
   double max_gap = std::numeric_limits<double>::infinity();   ///< > 0 [s]: a time stamp this far ahead of the newest is refused
-  std::function<void(Key key, double time)> on_leaving;  ///< called before a state leaves, its last estimate still in values()
+  std::function<void(Key key, double time)> on_leaving;       ///< called before a state leaves, its last estimate still in values()
 
   /// Throws BadOption with field, value and rule.
   void validate() const;
 };
 
 struct WindowStep {
-  double time = 0;                       ///< [s] now
-  Summary summary;                       ///< of the solve
-  std::vector<Key> left;                 ///< the states that left
-  std::vector<std::string> removed;      ///< factors whose residual was not finite: taken out, in words, and the rest solved
-  std::optional<Marginals> marginals;    ///< at the answer, before anything left; if asked for. None where H is not finite
-  std::vector<MeasurementReport> report; ///< the same
+  double time = 0;                        ///< [s] now
+  Summary summary;                        ///< of the solve
+  std::vector<Key> left;                  ///< the states that left
+  std::vector<std::string> removed;       ///< factors whose residual was not finite: taken out, in words, and the rest solved
+  std::optional<Marginals> marginals;     ///< at the answer, before anything left; if asked for. None where H is not finite
+  std::vector<MeasurementReport> report;  ///< the same
   struct Seconds {
-    double add = 0;          ///< all add…() and at() since the last step
+    double add = 0;  ///< all add…() and at() since the last step
     double solve = 0, covariances = 0, report = 0, marginalize = 0;
     double total() const { return add + solve + covariances + report + marginalize; }
   } seconds;
-  bool deadline_kept = true;             ///< total() <= options.deadline
+  bool deadline_kept = true;  ///< total() <= options.deadline
 };
 
 class Window {
@@ -155,10 +155,10 @@ class Window {
     return values_.at<V>(newest_key(letter));
   }
   Key newest_key(char letter) const;
-  double time(Key key) const;                 ///< of a state [s]; throws BadKey
+  double time(Key key) const;                     ///< of a state [s]; throws BadKey
   double newest_time() const { return newest_; }  ///< of all states [s]; −∞ before the first
-  std::vector<Key> states(char letter) const;  ///< oldest first
-  std::string agents() const;                  ///< their letters
+  std::vector<Key> states(char letter) const;     ///< oldest first
+  std::string agents() const;                     ///< their letters
   const WindowStep& last_step() const { return step_; }
   const WindowOptions& options() const { return options_; }
 

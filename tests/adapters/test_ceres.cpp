@@ -76,7 +76,8 @@ void expect_exact_in(const F& factor, std::uint64_t seed) {
 }
 
 const auto kBetween2 = Between<Pose2>::from_sigmas(Pose2(1, 0.5, 0.3), Vector<3>(0.5, 0.4, 0.2));
-const auto kBetween3 = Between<Pose3>::from_sigmas(Pose3().retract(Vector<6>(1, 2, 3, 0.1, -0.2, 0.3)), Vector<6>(0.5, 0.4, 0.6, 0.2, 0.3, 0.2));
+const auto kBetween3 =
+    Between<Pose3>::from_sigmas(Pose3().retract(Vector<6>(1, 2, 3, 0.1, -0.2, 0.3)), Vector<6>(0.5, 0.4, 0.6, 0.2, 0.3, 0.2));
 constexpr auto xyzw = QuaternionOrder::xyzw, wxyz = QuaternionOrder::wxyz;
 
 TEST(CeresLayouts, JacobiansAreExactInTheUsersNumbers) {

@@ -5,8 +5,8 @@
 #include <g2o/solvers/eigen/linear_solver_eigen.h>
 #include <gtest/gtest.h>
 
-#include <holdfast/adapters/g2o/g2o.hpp>
 #include <holdfast/adapters/g2o/backend.hpp>
+#include <holdfast/adapters/g2o/g2o.hpp>
 
 #include "tests/problems.hpp"
 

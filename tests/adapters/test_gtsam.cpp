@@ -9,8 +9,8 @@
 #include <holdfast/adapters/gtsam/graph.hpp>
 #include <holdfast/graph/files/files.hpp>
 
-#include "tests/problems.hpp"
 #include "tests/adapters/data_files.hpp"
+#include "tests/problems.hpp"
 
 namespace holdfast::testing {
 namespace {

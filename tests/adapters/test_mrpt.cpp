@@ -4,8 +4,8 @@
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
 #include <holdfast/adapters/mrpt/graph.hpp>
-#include <holdfast/graph/gradient.hpp>
 #include <holdfast/graph/files/files.hpp>
+#include <holdfast/graph/gradient.hpp>
 #include <holdfast/solvers/backend.hpp>
 #include <holdfast/testing.hpp>
 

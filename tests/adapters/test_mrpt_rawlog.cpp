@@ -11,8 +11,8 @@
 #include <filesystem>
 #include <fstream>
 #include <holdfast/adapters/files/problem.hpp>
-#include <holdfast/adapters/mrpt/rawlog.hpp>
 #include <holdfast/adapters/files/range_start.hpp>
+#include <holdfast/adapters/mrpt/rawlog.hpp>
 #include <holdfast/graph/error.hpp>
 #include <holdfast/solvers/backend.hpp>
 #include <iostream>
@@ -40,7 +40,8 @@ CActionRobotMovement2D step(double x, double y, double phi) {
   mrpt::poses::CPosePDFGaussian change;
   change.mean = mrpt::poses::CPose2D(x, y, phi);
   change.cov.setDiagonal(std::vector<double>{0.04, 0.01, 0.0025});
-  action.estimationMethod = CActionRobotMovement2D::emScan2DMatching;  // of odometry MRPT keeps the raw increment and a motion model instead
+  action.estimationMethod =
+      CActionRobotMovement2D::emScan2DMatching;  // of odometry MRPT keeps the raw increment and a motion model instead
   action.poseChange = mrpt::poses::CPosePDF::Ptr(new mrpt::poses::CPosePDFGaussian(change));
   return action;
 }
@@ -118,8 +119,8 @@ TEST(MrptRawlog, BearingsBecomePointsInTheRobotsFrame) {
   EXPECT_EQ(point.landmark, Key('l', 9));
   EXPECT_LT((point.measured.value - Vector<2>(0.5, 2)).norm(), 1e-12);  // ahead of a sensor that looks to the left
   const Matrix<2, 2> I = point.information();
-  EXPECT_NEAR(I(1, 1), 100, 1e-4);                      // along the ray: 0.1 m
-  EXPECT_NEAR(I(0, 0), 1 / (0.04 * 0.04), 1e-2);        // across: 2 m · 0.02
+  EXPECT_NEAR(I(1, 1), 100, 1e-4);                // along the ray: 0.1 m
+  EXPECT_NEAR(I(0, 0), 1 / (0.04 * 0.04), 1e-2);  // across: 2 m · 0.02
   EXPECT_NEAR(I(0, 1), 0, 1e-6);
 }
 

@@ -57,7 +57,8 @@ TEST(LinearPrior, IsTheQuadraticItSays) {
   std::memcpy(static_cast<void*>(&x2), at(2), sizeof x2);
   delta.segment<4>(9) = x2.local(m.values.at<Motion2>(L(0)));
   delta[13] = m.values.at<Scalar>(S(0)).value - *at(3);
-  const Eigen::VectorXd r = Eigen::Map<const Eigen::MatrixXd>(prior.A.data(), 5, 14) * delta + Eigen::Map<const Eigen::VectorXd>(prior.b.data(), 5);
+  const Eigen::VectorXd r =
+      Eigen::Map<const Eigen::MatrixXd>(prior.A.data(), 5, 14) * delta + Eigen::Map<const Eigen::VectorXd>(prior.b.data(), 5);
   EXPECT_NEAR(m.graph.cost(m.values), 0.5 * r.squaredNorm(), 1e-12);
 }
 

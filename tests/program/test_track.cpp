@@ -122,7 +122,8 @@ TEST_F(CliTrack, KilledTwentyTimesEndsAsIfNothingHadHappened) {
   std::mt19937_64 rng(1);
   int in_between = 0;
   for (int kill = 0; kill < 20; ++kill) {
-    faults::kill_while([&] { track("part"); }, std::chrono::microseconds(static_cast<long>(alone.count() / 6 * std::generate_canonical<double, 53>(rng))));
+    faults::kill_while([&] { track("part"); },
+                       std::chrono::microseconds(static_cast<long>(alone.count() / 6 * std::generate_canonical<double, 53>(rng))));
     const std::string saved = text_of(at("part"));
     if (saved == text_of(at("whole")))
       std::filesystem::remove(at("part"));  // it came to its end: once more

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <holdfast/graph/gradient.hpp>
-#include <holdfast/solvers/linear/internal/block_cholesky.hpp>
-#include <holdfast/solvers/irls/irls.hpp>
 #include <holdfast/solvers/internal/minimizer.hpp>
+#include <holdfast/solvers/irls/irls.hpp>
+#include <holdfast/solvers/linear/internal/block_cholesky.hpp>
 
 namespace holdfast {
 
@@ -34,8 +34,8 @@ struct Irls::Workspace {
   std::unique_ptr<Values> other_start;  // where a second descent is to begin
   std::vector<double> damping, diagonal, rhs, step, tangent;
   std::vector<double> newton, steepest, H_steepest;
-  double newton_length = 0;     // in the metric of diag H
-  double steepest_slope = 0;    // gᵀ steepest; 0: not known of this linearisation
+  double newton_length = 0;               // in the metric of diag H
+  double steepest_slope = 0;              // gᵀ steepest; 0: not known of this linearisation
   std::vector<std::vector<int>> offsets;  // by batch: where each variable's part of a tangent begins
   std::vector<double> bend, acceleration;
   // Of linear problems only: residuals, Jacobians, J δ and the weights of the rows, of each batch.

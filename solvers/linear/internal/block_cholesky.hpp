@@ -27,17 +27,17 @@ class BlockCholesky {
     int from, to, length;
   };
   struct Front {
-    int k, n, ld;             // panel: n × k
-    int m, update_ld;         // update: m × m, lower
-    std::size_t panel;        // in panels_
-    std::size_t update;       // in arena_
-    int first_scalar;         // of the own columns
+    int k, n, ld;        // panel: n × k
+    int m, update_ld;    // update: m × m, lower
+    std::size_t panel;   // in panels_
+    std::size_t update;  // in arena_
+    int first_scalar;    // of the own columns
     int parent;
     std::vector<int> children;
-    std::vector<Run> runs;    // of its update in the parent's front
+    std::vector<Run> runs;                      // of its update in the parent's front
     std::vector<std::pair<int, int>> row_runs;  // (first scalar row, length) of the rows below
-    std::vector<int> block_places;  // of each H block of the own columns, in the panel
-    int first_block;          // of those in H's pattern
+    std::vector<int> block_places;              // of each H block of the own columns, in the panel
+    int first_block;                            // of those in H's pattern
   };
 
   void make_fronts(const BlockPattern& pattern);

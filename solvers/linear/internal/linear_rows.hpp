@@ -4,8 +4,8 @@
 #pragma once
 
 #include <holdfast/graph/resolved.hpp>
-#include <holdfast/solvers/linear/internal/envelope_cholesky.hpp>
 #include <holdfast/solvers/irls/internal/line_search.hpp>
+#include <holdfast/solvers/linear/internal/envelope_cholesky.hpp>
 
 namespace holdfast {
 
@@ -53,7 +53,7 @@ class LinearRows {
   Resolved resolved_;
   bool thin_ = false;
   std::vector<Part> parts_;
-  std::vector<char> whole_blocks_;  // of each batch: are whole blocks weighed?
+  std::vector<char> whole_blocks_;           // of each batch: are whole blocks weighed?
   std::vector<double> r_, J_, Jd_, weight_;  // J as FactorBatch::evaluate writes it, batch after batch
   std::vector<char> in_pattern_;             // of each entry of J_
   // Rows by their entries that are not 0. After the residuals' own rows come, for every factor under a block loss, one row for the

@@ -26,8 +26,8 @@ class NormalEquations {
   /// Fills H and g, returns the cost. The same bits for any number of threads.
   double linearize(const Graph& graph, const Resolved& resolved, const Values& values, Curvature curvature, ThreadPool* pool = nullptr);
   /// The same where the residuals and Jacobians of each batch are known (of linear factors the Jacobians never change).
-  double linearize_at(const Graph& graph, const std::vector<std::vector<double>>& r, const std::vector<std::vector<double>>& J, Curvature curvature,
-                      ThreadPool* pool = nullptr);
+  double linearize_at(const Graph& graph, const std::vector<std::vector<double>>& r, const std::vector<std::vector<double>>& J,
+                      Curvature curvature, ThreadPool* pool = nullptr);
 
   const BlockPattern& pattern() const { return pattern_; }
   const std::vector<double>& H() const { return H_; }

@@ -10,14 +10,14 @@ namespace holdfast {
 
 struct Symbolic {
   struct Supernode {
-    int first, last;     ///< block columns [first, last) in elimination order
-    int parent = -1;     ///< supernode; always a later one
-    int k = 0, n = 0;    ///< scalar columns, and rows of the front
+    int first, last;        ///< block columns [first, last) in elimination order
+    int parent = -1;        ///< supernode; always a later one
+    int k = 0, n = 0;       ///< scalar columns, and rows of the front
     std::vector<int> rows;  ///< block rows below the own columns, ascending
   };
   std::vector<int> order;  ///< nodes, first eliminated first: a postorder of the tree
   std::vector<Supernode> supernodes;
-  double flops = 0;        ///< multiply–add pairs of one factorisation
+  double flops = 0;  ///< multiply–add pairs of one factorisation
 };
 
 /// Σ_{j<k} (n − j)²: the multiply–add pairs (twice over) of eliminating k of n columns.

@@ -28,15 +28,15 @@ class ChainPreconditioner {
   ChainPreconditioner(const Graph& graph, const Resolved& resolved, Ordered ordered);
   void factor();
 
-  NormalEquations normal_;          // all of H, in the order of the chains
-  BlockPattern chains_;             // the part that is kept
-  std::vector<int> kept_;           // of each kept value: where it is in H
+  NormalEquations normal_;  // all of H, in the order of the chains
+  BlockPattern chains_;     // the part that is kept
+  std::vector<int> kept_;   // of each kept value: where it is in H
   std::unique_ptr<BlockCholesky> cholesky_;
-  std::vector<double> values_;      // of the kept blocks
-  std::vector<double> traces_;      // of each diagonal block now
-  std::vector<double> stiffest_;    // the largest so far
+  std::vector<double> values_;    // of the kept blocks
+  std::vector<double> traces_;    // of each diagonal block now
+  std::vector<double> stiffest_;  // the largest so far
   std::vector<double> added_, ordered_, solved_;
-  double roundness_ = 1e-9;         // of the stiffest trace
+  double roundness_ = 1e-9;  // of the stiffest trace
 };
 
 }  // namespace holdfast

@@ -1,8 +1,8 @@
 // Datasets with any numbers in them: what is written is read back, and noise means the same in every format.
 #include <holdfast/testing.hpp>
 
-#include "tests/properties.hpp"
 #include "tests/graph/files/helpers.hpp"
+#include "tests/properties.hpp"
 
 namespace holdfast {
 namespace {

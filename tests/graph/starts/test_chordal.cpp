@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <holdfast/adapters/files/problem.hpp>
 #include <holdfast/factors/range.hpp>
-#include <holdfast/graph/starts/chordal.hpp>
 #include <holdfast/graph/files/files.hpp>
+#include <holdfast/graph/starts/chordal.hpp>
 #include <holdfast/solvers/backend.hpp>
 #include <holdfast/testing.hpp>
 
@@ -148,7 +148,8 @@ TYPED_TEST(Chordal, AGraphHasTheStartOfItsFile) {
   const Problem problem = make_problem(tangle.data, {});
   std::mt19937_64 rng(8);
   Values values = problem.start;
-  for (std::size_t k = 1; k < tangle.truth.size(); ++k) values.update(x(k), random_variable<TypeParam>(rng));  // where they are now is no matter
+  for (std::size_t k = 1; k < tangle.truth.size(); ++k)
+    values.update(x(k), random_variable<TypeParam>(rng));  // where they are now is no matter
   ASSERT_TRUE(chordal_start(problem.graph, values));
   const Values expected = chordal_start(tangle.data);
   for (std::size_t k = 0; k < tangle.truth.size(); ++k)

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <holdfast/factors/white_jerk.hpp>
-#include <holdfast/solvers/linear/internal/normal_equations.hpp>
 #include <holdfast/solvers/linear/internal/linear_rows.hpp>
+#include <holdfast/solvers/linear/internal/normal_equations.hpp>
 
 #include "tests/problems.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <Eigen/Dense>
 #include <holdfast/graph/check.hpp>
-#include <holdfast/solvers/window/marginalize.hpp>
 #include <holdfast/solvers/marginals.hpp>
+#include <holdfast/solvers/window/marginalize.hpp>
 
 #include "tests/problems.hpp"
 

@@ -44,7 +44,8 @@ void expect_none(WindowOptions::Leaving leaving) {
   for (; k < 400; ++k) step(window, k, rng);
   allocations = 0;
   for (; k < 800; ++k) {
-    const Position made = Position::of_position(Vector<2>(0, 0), Vector<2>(0, 0), Matrix<2, 2>::Identity());  // allocates, outside the count
+    const Position made =
+        Position::of_position(Vector<2>(0, 0), Vector<2>(0, 0), Matrix<2, 2>::Identity());  // allocates, outside the count
     const double t = 0.05 * k;
     counting = true;
     window.add(made, {window.at('A', t)});
