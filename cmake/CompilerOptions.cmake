@@ -31,6 +31,17 @@ function(holdfast_compiler_options target)
   endif()
 endfunction()
 
+# Headers that nearly every source of the target includes, parsed once. Sources include what they use all the same: preset minimal has no
+# precompiled headers.
+function(holdfast_precompile target)
+  if(HOLDFAST_PCH)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+      target_compile_options(${target} PRIVATE -fpch-preprocess)  # lets ccache see through it
+    endif()
+  endif()
+endfunction()
+
 function(holdfast_sanitize target)
   if(HOLDFAST_SANITIZE)
     list(JOIN HOLDFAST_SANITIZE "," sanitizers)
