@@ -1,7 +1,7 @@
 // A Window that lives through anything against a batch solution from scratch (tests/window_life.hpp).
 #include <unistd.h>
 
-#include "../window_life.hpp"
+#include "tests/window_life.hpp"
 #include "bytes.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
