@@ -83,8 +83,8 @@ macro(holdfast_use_metis)
     if(HOLDFAST_METIS_INCLUDE_DIR AND HOLDFAST_METIS_LIBRARY)
       set(HOLDFAST_WITH_METIS ON)
     elseif(NOT HOLDFAST_METIS STREQUAL "AUTO")
-      message(FATAL_ERROR "HOLDFAST_METIS=${HOLDFAST_METIS}, but metis.h or libmetis was not found. Install it (Debian: apt install libmetis-dev), "
-        "name its folder in CMAKE_PREFIX_PATH, or configure with -DHOLDFAST_METIS=OFF (AUTO: on where found).")
+      message(FATAL_ERROR "HOLDFAST_METIS=${HOLDFAST_METIS}, but metis.h or libmetis was not found. Install it (Debian: apt install "
+        "libmetis-dev), name its folder in CMAKE_PREFIX_PATH, or configure with -DHOLDFAST_METIS=OFF (AUTO: on where found).")
     endif()
   endif()
   if(HOLDFAST_WITH_METIS)

@@ -13,7 +13,7 @@ struct ProblemOptions {
   Loss loss;                  ///< of every measurement but the odometry between consecutive poses and the priors
   Start start = Start::file;  ///< vertex_start or odometry_start (graph/starts/start.hpp), chordal_start (graph/starts/chordal.hpp), or
                               ///< relaxed_start (solvers/convex_start.hpp) with the rotations of chordal_start
-  unsigned seed = 0;  ///< of the landmarks' start in odometry_start
+  unsigned seed = 0;          ///< of the landmarks' start in odometry_start
 };
 
 /// "file", "odometry", "chordal" or "convex"; else BadOption.

@@ -1,11 +1,7 @@
 // A stranger's program on an installed holdfast: two poses and a range, solved, with the covariance of one of them.
 #include <cmath>
 #include <cstdio>
-#include <holdfast/factors/between.hpp>
-#include <holdfast/factors/prior.hpp>
-#include <holdfast/factors/range.hpp>
-#include <holdfast/solvers/backend.hpp>
-#include <holdfast/solvers/marginals.hpp>
+#include <holdfast/holdfast.hpp>
 #include <string>
 
 using namespace holdfast;

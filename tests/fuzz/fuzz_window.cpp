@@ -1,8 +1,8 @@
 // A Window that lives through anything against a batch solution from scratch (tests/window_life.hpp).
 #include <unistd.h>
 
-#include "tests/window_life.hpp"
 #include "bytes.hpp"
+#include "tests/window_life.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace holdfast;
