@@ -101,7 +101,8 @@ class Doctor {
   }
 
   static std::string agents_of(const Component& component, const Resolved& resolved) {
-    std::map<char, std::pair<int, Key>> agents;
+    constexpr std::size_t kMostNamed = 8;
+    std::map<Agent, std::pair<int, Key>> agents;
     for (int v : component.variables) {
       const Key key = resolved.variables()[v].key;
       const auto it = agents.try_emplace(key.agent(), 0, key).first;
@@ -109,8 +110,12 @@ class Doctor {
       it->second.second = std::min(it->second.second, key);
     }
     std::ostringstream text;
-    for (const auto& [agent, count] : agents)
-      text << (text.tellp() > 0 ? ", " : "") << count.first << " of agent " << agent << " from " << count.second;
+    std::size_t named = 0;
+    for (const auto& [agent, count] : agents) {
+      if (++named > kMostNamed) break;
+      text << (named > 1 ? ", " : "") << count.first << " of agent " << agent << " from " << count.second;
+    }
+    if (agents.size() > kMostNamed) text << ", and those of " << agents.size() - kMostNamed << " more agents";
     return text.str();
   }
 

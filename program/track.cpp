@@ -84,7 +84,7 @@ TrackOptions options_of(const TrackArguments& arguments) {
 }
 
 std::string json_of(const Tracked& state) {
-  nlohmann::ordered_json json{{"t", state.time}, {"agent", std::string(1, state.key.agent())}, {"key", state.key.str()}};
+  nlohmann::ordered_json json{{"t", state.time}, {"agent", state.key.agent().str()}, {"key", state.key.str()}};
   if (const Pose2* pose = std::get_if<Pose2>(&state.value)) {
     json["p"] = {pose->p[0], pose->p[1]};
     json["angle"] = pose->angle();

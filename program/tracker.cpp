@@ -202,15 +202,15 @@ void Tracker::finish() {
   advance(now_);
   counts_.refused += waiting_.size();
   waiting_.clear();
-  for (const char letter : window_.agents())
-    for (Key key : window_.states(letter)) print(key, window_.time(key), true);
+  for (const Agent agent : window_.agents())
+    for (Key key : window_.states(agent)) print(key, window_.time(key), true);
 }
 
 void Tracker::print_newest() {
-  for (const char letter : window_.agents()) {
-    const Key key = window_.newest_key(letter);
+  for (const Agent agent : window_.agents()) {
+    const Key key = window_.newest_key(agent);
     const double time = window_.time(key);
-    const auto [it, is_new] = printed_.try_emplace(letter, time);
+    const auto [it, is_new] = printed_.try_emplace(agent, time);
     if (!is_new && it->second == time) continue;
     it->second = time;
     print(key, time, false);
@@ -247,7 +247,7 @@ void Tracker::save(const std::string& path) const {
   note.put<std::uint64_t>(waiting_.size());
   for (const Waiting& one : waiting_) note.put(one.number).put(one.time).put(std::string_view(one.text));
   note.put<std::uint64_t>(printed_.size());
-  for (const auto& [letter, time] : printed_) note.put(letter).put(time);
+  for (const auto& [agent, time] : printed_) note.put(agent.bits()).put(time);
   window_.save(path, note.bytes());
 }
 
@@ -265,8 +265,8 @@ void Tracker::restore(const std::string& path) {
   }
   printed_.clear();
   for (std::size_t count = note.get_count(1); count > 0; --count) {
-    const char letter = note.get<char>();
-    printed_[letter] = note.get<double>();
+    const Agent agent = Agent::from_bits(note.get<std::uint32_t>());
+    printed_[agent] = note.get<double>();
   }
 }
 

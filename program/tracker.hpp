@@ -106,7 +106,7 @@ class Tracker {
   std::map<Key, Vertex> poses_;  ///< of VERTEX lines, until the state has left
   std::map<Key, Vertex> points_;
   std::deque<Waiting> waiting_;
-  std::map<char, double> printed_;  ///< the time of each agent's newest state that was printed
+  std::map<Agent, double> printed_;  ///< the time of each agent's newest state that was printed
   TrackCounts counts_;
   std::string last_refusal_;
 };

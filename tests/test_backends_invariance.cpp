@@ -85,7 +85,7 @@ TEST_P(EveryBackend, AnswersATranslatedWorldWithTheTranslatedAnswer) {  // beari
   EXPECT_LT((shifted.at<Motion3>(T(5)).position() - here.at<Motion3>(T(5)).position() - world.t).norm(), 1e-2);
 }
 
-Key renamed(Key key) { return {static_cast<char>('a' + 'Z' - key.agent()), 1000 - 7 * key.index()}; }
+Key renamed(Key key) { return {static_cast<char>('a' + 'Z' - key.kind()), 1000 - 7 * key.index()}; }
 
 /// The same factors, last first, on the new names.
 template <class V>

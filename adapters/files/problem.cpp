@@ -5,6 +5,7 @@
 #include <holdfast/factors/relative_point.hpp>
 #include <holdfast/graph/starts/chordal.hpp>
 #include <map>
+#include <unordered_map>
 
 namespace holdfast {
 namespace {
@@ -89,7 +90,8 @@ class Builder {
   }
 
   void hold_the_world() {
-    std::map<char, Key> first_pose;
+    for (const Vertex& vertex : dataset_.vertices) vertices_.emplace(vertex.key, &vertex.value);
+    std::map<Agent, Key> first_pose;
     for (Key key : problem_.start.keys())
       if (is<Pose2>(key) || is<Pose3>(key)) first_pose.try_emplace(key.agent(), key);
     for (const auto& [agent, key] : first_pose) {
@@ -112,16 +114,17 @@ class Builder {
   }
   template <class V>
   V true_pose(Key key) const {
-    for (const Vertex& vertex : dataset_.vertices)
-      if (vertex.key == key && std::holds_alternative<V>(vertex.value)) return std::get<V>(vertex.value);
-    return problem_.start.at<V>(key);
+    const auto vertex = vertices_.find(key);
+    const V* pose = vertex == vertices_.end() ? nullptr : std::get_if<V>(vertex->second);
+    return pose != nullptr ? *pose : problem_.start.at<V>(key);
   }
 
   const Dataset& dataset_;
   const ProblemOptions& options_;
   Problem problem_;
   bool has_prior_ = false;
-  std::map<char, Eigen::MatrixXd> first_odometry_;
+  std::map<Agent, Eigen::MatrixXd> first_odometry_;
+  std::unordered_map<Key, const VertexValue*> vertices_;
 };
 
 }  // namespace

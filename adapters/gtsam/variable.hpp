@@ -5,8 +5,8 @@
 //
 // In gtsam::Values: Pose2, Pose3, Point2, Point3 are GTSAM's own; Motion2 a Vector4, Motion3 and Accel2 a Vector6, Accel3 a Vector9 (in our
 // memory order), Scalar a double. Tangents: GTSAM moves translations in the body frame, and Pose3's come rotation first; both its
-// retractions (Expmap or not) agree with ours to first order, which is all that a Jacobian asks for. Keys: Key('x', 3) and
-// gtsam::Symbol('x', 3) are the same 64 bits.
+// retractions (Expmap or not) agree with ours to first order, which is all that a Jacobian asks for. Keys are the same
+// 64 bits, whatever wrote them: gtsam::Symbol('x', 3) is Key('x', 3), a LabeledSymbol comes back as it went.
 #pragma once
 
 #include <gtsam/geometry/Point2.h>
@@ -51,7 +51,7 @@ struct StandsFor<gtsam::Point3> {
 };
 
 inline gtsam::Key gtsam_key(Key key) { return key.bits(); }
-inline Key holdfast_key(gtsam::Key key) { return {static_cast<char>(key >> 56), key & ((std::uint64_t{1} << 56) - 1)}; }
+inline Key holdfast_key(gtsam::Key key) { return Key::from_bits(key); }
 
 /// How a variable of ours is kept in gtsam::Values: its type there, both ways, and d (our tangent) / d (GTSAM's). Primary: a vector space.
 template <class V>

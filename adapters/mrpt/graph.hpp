@@ -29,7 +29,8 @@ struct MrptConstraint<mrpt::poses::CPose3D> {
   static Matrix<6, 6> information(const mrpt::poses::CPose3D&) { return Matrix<6, 6>::Identity(); }
 };
 
-inline Key mrpt_key(mrpt::graphs::TNodeID id) { return {'x', id}; }
+/// Node 17 is the key x17; ids of 2^32 and more are taken bit by bit (graph/key.hpp). to_mrpt() gives x17 the id 17, whatever it came from.
+inline Key mrpt_key(mrpt::graphs::TNodeID id) { return Key::from_id(id); }
 
 /// One Between an edge, parallel ones and all, in the order of the network. loss: of every edge but those between consecutive ids.
 /// BadKey names an edge of a node that is not there.
@@ -60,22 +61,18 @@ void write_back(const Values& values, Network& network) {
   for (auto& [id, pose] : network.nodes) static_cast<Theirs&>(pose) = values.at<Theirs>(mrpt_key(id));
 }
 
-/// A network of the graph's Betweens: keys x0, x1, … become ids; the one fixed pose (or the lowest) the root. What a network cannot hold is
-/// a BadOption naming it: another factor or variable type, another agent's keys, a robust loss, a weight, two fixed poses.
+/// A network of the graph's Betweens: each key becomes its id(); the one fixed pose (or the lowest) the root. What a network cannot hold is
+/// a BadOption naming it: another factor or variable type, a robust loss, a weight, two fixed poses.
 template <class Network>
 Network to_mrpt(const Graph& graph, const Values& values) {
   using Constraint = MrptConstraint<typename Network::constraint_t>;
   using Pose = typename Constraint::Pose;
   using Theirs = typename Network::constraint_no_pdf_t;
-  const auto id_of = [](Key key) {
-    if (key.agent() != 'x') fail<BadOption>("a network of poses cannot hold key ", key, ": its nodes have numbers alone; rename it to x…");
-    return key.index();
-  };
   Network network;
   for (Key key : values.keys()) {
     if (!values.contains<Pose>(key))
       fail<BadOption>("a network of poses cannot hold ", key, ": it is no ", Pose::name(), "; leave it out of the values");
-    static_cast<Theirs&>(network.nodes[id_of(key)]) = values.at<Theirs>(key);
+    static_cast<Theirs&>(network.nodes[key.id()]) = values.at<Theirs>(key);
   }
   for (const auto& batch : graph.batches())
     if (batch->size() > 0 && batch->factor_type() != typeid(Between<Pose>))
@@ -87,13 +84,13 @@ Network to_mrpt(const Graph& graph, const Values& values) {
                         batch.describe(i), "; give it to the optimizer instead");
       const Between<Pose>& between = batch.factors()[i];
       const Matrix<Pose::dim, Pose::dim> I = between.sqrt_information.transpose() * between.sqrt_information;
-      network.insertEdge(id_of(batch.keys(i)[0]), id_of(batch.keys(i)[1]), Constraint::make(between.measured, I));
+      network.insertEdge(batch.keys(i)[0].id(), batch.keys(i)[1].id(), Constraint::make(between.measured, I));
     }
   });
   if (graph.fixed().size() > 1)
     fail<BadOption>("a network of poses has one root, but ", graph.fixed().size(), " poses are fixed; unfix all but one");
   if (!graph.fixed().empty())
-    network.root = id_of(*graph.fixed().begin());
+    network.root = graph.fixed().begin()->id();
   else if (!network.nodes.empty())
     network.root = network.nodes.begin()->first;
   return network;

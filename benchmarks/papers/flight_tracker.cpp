@@ -138,7 +138,7 @@ void FlightTracker::judge(std::size_t follower) {
 }
 
 FlightTracker::Node FlightTracker::following(const Node& node) {
-  const Key x = Agent('A')(0), omega = Agent('a')(0), next_x = Agent('A')(1), next_omega = Agent('a')(1);
+  const Key x('S', 0), omega('W', 0), next_x('S', 1), next_omega('W', 1);
   const CoordinatedTurn::Prediction ahead = turn_.predicted(node.believed.x, node.believed.omega.value);
   Node next{{}, {Motion2(ahead.mean.head<4>()), Scalar(ahead.mean[4])}, {}};
   Values values;

@@ -84,8 +84,8 @@ class FlightTracker {
   /// `states` states of every follower in a graph whose structure stays.
   struct Window {
     Window(int states, std::size_t followers, const FlightTracker& tracker);
-    Key x(std::size_t follower, int state) const { return Agent(static_cast<char>('A' + follower))(state); }
-    Key omega(std::size_t follower, int state) const { return Agent(static_cast<char>('a' + follower))(state); }
+    Key x(std::size_t follower, int state) const { return Agent('S', follower)(static_cast<std::uint64_t>(state)); }
+    Key omega(std::size_t follower, int state) const { return Agent('W', follower)(static_cast<std::uint64_t>(state)); }
     void set_arrival(std::size_t follower, const Node& node);
     void set_sample(std::size_t follower, int state, std::size_t i, const Vector<2>& gps);
     void start_at(std::size_t follower, int state, const Node& node);

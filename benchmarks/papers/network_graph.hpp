@@ -29,8 +29,8 @@ enum class Missing { nothing, coupled };
 /// ρ, one sigma of how far a distance moves in a step: the paper's 0.5 m.
 inline constexpr double kDistanceStep = 0.5;
 
-inline Key node_key(int i, int step) { return {static_cast<char>('A' + i), static_cast<std::uint64_t>(step)}; }
-inline Key anchor_key(int i, int step) { return {'L', static_cast<std::uint64_t>(10 * step + i)}; }
+inline Key node_key(int i, int step) { return Agent('A', static_cast<std::uint64_t>(i))(static_cast<std::uint64_t>(step)); }
+inline Key anchor_key(int i, int step) { return Agent('L', static_cast<std::uint64_t>(i))(static_cast<std::uint64_t>(step)); }
 
 /// The anchors of one step, fixed, and its packets between them and nodes of type V.
 template <class V, int S>

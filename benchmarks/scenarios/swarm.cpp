@@ -6,7 +6,8 @@
 namespace holdfast::bench {
 namespace {
 
-constexpr Agent N('N');
+/// Each node is an agent of its own, at its only step.
+constexpr Key N(int node) { return Agent('N', static_cast<std::uint64_t>(node))(0); }
 
 /// All pairs nearer than `radius`, and of each node the nearest other one.
 std::vector<std::pair<int, int>> neighbours(const std::vector<Vector<2>>& p, double radius) {

@@ -35,21 +35,21 @@ class Fleet {
   };
   Fleet(const Options& options, unsigned seed) : options_(options), random_(seed), window_(options.window) {
     for (int a = 0; a < options.agents; ++a) {
-      const char letter = letter_of(a);
+      const Agent agent = agent_of(static_cast<std::size_t>(a));
       const Motion2 start(20.0 * a, 1.0, -10.0 * a, -1.0);
       truth_.push_back(start);
       truth_.back().value += random_.normals<4>(1);
-      window_.add_agent(letter, Motion::exact(options.dt, 1, I4), options.dt, options.motion_loss);
-      window_.add_state(Key(letter, 0), 0.0, start);
-      window_.add(Prior<Motion2>::from_sigmas(start, Vector<4>::Ones()), {Key(letter, 0)});
+      window_.add_agent(agent, Motion::exact(options.dt, 1, I4), options.dt, options.motion_loss);
+      window_.add_state(agent(0), 0.0, start);
+      window_.add(Prior<Motion2>::from_sigmas(start, Vector<4>::Ones()), {agent(0)});
     }
   }
   const WindowStep& step() {
     const double t = ++k_ * options_.dt;
     for (std::size_t a = 0; a < truth_.size(); ++a) {
       truth_[a].value = predicted(truth_[a], options_.dt) + noise();
-      const char letter = letter_of(static_cast<int>(a));
-      const Key key = window_.at(letter, t);
+      const Agent agent = agent_of(a);
+      const Key key = window_.at(agent, t);
       if (random_.chance(options_.lost)) continue;
       window_.add(Position::of_position(-truth_[a].position() + error<2>(), Vector<2>(0, 0), I2), {key}, options_.loss);
     }
@@ -57,8 +57,8 @@ class Fleet {
       for (std::size_t b = 0; b < a; ++b) {
         if (random_.chance(options_.lost)) continue;
         const double distance = (truth_[a].position() - truth_[b].position()).norm() + 0.5 * error<1>()[0];
-        window_.add(Range<Motion2, Motion2>{std::max(0.0, distance), 0.5},
-                    {window_.at(letter_of(static_cast<int>(a)), t), window_.at(letter_of(static_cast<int>(b)), t)}, options_.loss);
+        window_.add(Range<Motion2, Motion2>{std::max(0.0, distance), 0.5}, {window_.at(agent_of(a), t), window_.at(agent_of(b), t)},
+                    options_.loss);
       }
     return window_.step(t);
   }
@@ -70,7 +70,7 @@ class Fleet {
   }
 
  private:
-  static char letter_of(int agent) { return static_cast<char>('A' + agent); }
+  static Agent agent_of(std::size_t number) { return Agent('A', number); }
   Vector<4> noise() {
     const Vector<4> w = random_.normals<4>(1);
     const double g = options_.dt * options_.dt / 2;

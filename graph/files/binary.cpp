@@ -26,10 +26,7 @@ std::string ByteReader::get_text() {
   return {take(size), size};
 }
 
-Key ByteReader::get_key() {
-  const auto bits = get<std::uint64_t>();
-  return {static_cast<char>(bits >> 56), bits};
-}
+Key ByteReader::get_key() { return Key::from_bits(get<std::uint64_t>()); }
 
 std::size_t ByteReader::get_count(std::size_t bytes) {
   const auto count = get<std::uint64_t>();

@@ -24,7 +24,7 @@ Pose3 in_space(const Point2& point) { return {{point.value[0], point.value[1], 0
 Pose3 in_space(const Point3& point) { return {point.value, Pose3::Rotation::Identity()}; }
 
 template <class V>
-void collect(const Values& values, std::map<char, std::vector<Posed>>& agents) {
+void collect(const Values& values, std::map<Agent, std::vector<Posed>>& agents) {
   for (const auto& pool : values.pools()) {
     if (pool->type() != typeid(V)) continue;
     for (Key key : pool->keys()) agents[key.agent()].push_back({key, values.at<V>(key)});
@@ -39,14 +39,16 @@ std::vector<StampedValue> stamped(std::vector<Posed> poses, const std::unordered
   if (any && missing != poses.end())
     fail<BadFile>("cannot write a TUM file: ", missing->key.str(), " has no time stamp, others of its agent have; give all or none");
   std::vector<StampedValue> trajectory;
-  for (const Posed& pose : poses) trajectory.push_back({any ? times.at(pose.key) : static_cast<double>(pose.key.index()), pose.value});
+  for (const Posed& pose : poses) trajectory.push_back({any ? times.at(pose.key) : static_cast<double>(pose.key.step()), pose.value});
   std::stable_sort(trajectory.begin(), trajectory.end(), [](const StampedValue& a, const StampedValue& b) { return a.time < b.time; });
   return trajectory;
 }
 
-std::string file_name(char agent) {
-  const unsigned char code = static_cast<unsigned char>(agent);
-  return (std::isalnum(code) ? std::string(1, agent) : "agent_" + std::to_string(code)) + ".tum";
+std::string file_name(Agent agent) {
+  const unsigned char code = static_cast<unsigned char>(agent.kind());
+  if (std::isalnum(code) && !std::isdigit(code)) return agent.str() + ".tum";
+  const std::string number = agent.number() > 0 ? "_" + std::to_string(agent.number()) : "";
+  return "agent_" + std::to_string(code) + number + ".tum";
 }
 
 }  // namespace
@@ -73,7 +75,7 @@ std::unordered_map<Key, double> vertex_times(const Dataset& dataset) {
 
 std::vector<std::string> write_tum_directory(const std::string& directory, const Values& values,
                                              const std::unordered_map<Key, double>& times) {
-  std::map<char, std::vector<Posed>> agents;
+  std::map<Agent, std::vector<Posed>> agents;
   collect<Pose2>(values, agents);
   collect<Pose3>(values, agents);
   std::vector<std::pair<std::string, std::string>> files;  // all texts before the first file: a bad number writes none

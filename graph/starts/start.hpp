@@ -15,7 +15,8 @@
 namespace holdfast {
 
 /// For each edge of the dataset: is it odometry? That is a relative pose from one pose of an agent to the next pose this agent has
-/// (by index; indices may have gaps). All poses of a g2o or TORO file are of one agent.
+/// (by step; steps may have gaps). Agents are pairs of kind and number, so ids that are symbols keep robots apart; the poses 0, 1, … of
+/// a g2o or TORO file are of one agent.
 std::vector<bool> odometry_edges(const Dataset& dataset);
 
 /// The vertices of the file; poses and landmarks without one are completed from the edges.

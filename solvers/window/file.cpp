@@ -8,7 +8,7 @@ namespace holdfast {
 namespace {
 
 constexpr std::string_view kMagic = "holdfast window\n";
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;  // 2 was 0.1.0: agents were letters
 
 /// FNV-1a, 64 bits.
 std::uint64_t checksum(std::string_view bytes) {
@@ -30,7 +30,9 @@ std::string_view unsealed(std::string_view file) {
   if (file.substr(0, kMagic.size()) != kMagic) fail<BadFile>("it is no file of a holdfast window");
   io::ByteReader head(file.substr(kMagic.size()));
   const auto version = head.get<std::uint32_t>();
-  if (version != kVersion) fail<BadFile>("it is of version ", version, ", and this program reads version ", kVersion);
+  if (version != kVersion)
+    fail<BadFile>("it is of version ", version, ", and this program reads version ", kVersion,
+                  "; start a new window, or go on with the program that saved it (2: holdfast 0.1.0)");
   const auto size = head.get<std::uint64_t>();
   if (file.size() < kHead + sizeof(std::uint64_t) || size != file.size() - kHead - sizeof(std::uint64_t))
     fail<BadFile>("it is torn: ", file.size(), " bytes, where its head says ", kHead + size + sizeof(std::uint64_t));
@@ -45,11 +47,11 @@ void Window::save(const std::string& path, std::string_view note) const {
   io::ByteWriter out;
   io::write_binary(out, graph_, values_);
   out.put(newest_).put(note);
-  out.put<std::uint64_t>(agents_.size());
-  for (const Agent& agent : agents_) {
-    out.put(agent.letter).put(std::string_view(agent.motion ? agent.motion->name() : "")).put(agent.next_index);
-    out.put<std::uint64_t>(agent.states.size());
-    for (const State& state : agent.states) {
+  out.put<std::uint64_t>(members_.size());
+  for (const Member& member : members_) {
+    out.put(member.agent.bits()).put(std::string_view(member.motion ? member.motion->name() : "")).put(member.next_step);
+    out.put<std::uint64_t>(member.states.size());
+    for (const State& state : member.states) {
       const Graph::Place place = state.motion.number >= 0 ? graph_.place(state.motion) : Graph::Place{};
       out.put(state.key).put(state.time).put<std::int32_t>(place.batch).put<std::int32_t>(place.index);
     }
@@ -66,18 +68,18 @@ std::string Window::restore(const std::string& path) {
     io::read_binary(in, graph, values);
     const auto newest = in.get<double>();
     std::string note = in.get_text();
-    std::vector<Agent> agents;
+    std::vector<Member> members;
     for (std::size_t count = in.get_count(1); count > 0; --count) {
-      Agent agent{in.get<char>(), nullptr, {}, 0};
+      Member member{Agent::from_bits(in.get<std::uint32_t>()), nullptr, {}, 0};
       const std::string motion = in.get_text();
-      if (std::any_of(agents.begin(), agents.end(), [&](const Agent& a) { return a.letter == agent.letter; }))
-        fail<BadFile>("it holds agent ", std::string(1, agent.letter), " twice");
-      const Agent* const mine = find(agent.letter);
+      if (std::any_of(members.begin(), members.end(), [&](const Member& m) { return m.agent == member.agent; }))
+        fail<BadFile>("it holds agent ", member.agent, " twice");
+      const Member* const mine = find(member.agent);
       const std::string my_motion = mine != nullptr && mine->motion ? mine->motion->name() : "";
       if (my_motion != motion)
-        fail<BadFile>("its agent ", std::string(1, agent.letter), " moves by ", motion.empty() ? "odometry" : motion, ", here by ",
+        fail<BadFile>("its agent ", member.agent, " moves by ", motion.empty() ? "odometry" : motion, ", here by ",
                       my_motion.empty() ? "odometry" : my_motion, "; add_agent() the same as when it was saved");
-      agent.next_index = in.get<std::uint64_t>();
+      member.next_step = in.get<std::uint64_t>();
       for (std::size_t states = in.get_count(sizeof(double)); states > 0; --states) {
         const Key key = in.get_key();
         const auto time = in.get<double>();
@@ -85,16 +87,16 @@ std::string Window::restore(const std::string& path) {
         values.slot(key);
         if (batch >= static_cast<int>(graph.batches().size()) || (batch >= 0 && (index < 0 || index >= graph.batches()[batch]->size())))
           fail<BadFile>("a state's motion is factor ", index, " of batch ", batch, ", which it does not hold");
-        agent.states.push_back({key, time, batch >= 0 ? graph.id_of(batch, index) : FactorId{}});
+        member.states.push_back({key, time, batch >= 0 ? graph.id_of(batch, index) : FactorId{}});
       }
-      agents.push_back(std::move(agent));
+      members.push_back(std::move(member));
     }
-    for (const Agent& mine : agents_)
-      if (mine.motion && std::none_of(agents.begin(), agents.end(), [&](const Agent& a) { return a.letter == mine.letter; }))
-        agents.push_back({mine.letter, nullptr, {}, 0});
-    for (Agent& agent : agents)  // nothing can fail from here on
-      if (Agent* const mine = find(agent.letter)) agent.motion = std::move(mine->motion);
-    agents_ = std::move(agents);
+    for (const Member& mine : members_)
+      if (mine.motion && std::none_of(members.begin(), members.end(), [&](const Member& m) { return m.agent == mine.agent; }))
+        members.push_back({mine.agent, nullptr, {}, 0});
+    for (Member& member : members)  // nothing can fail from here on
+      if (Member* const mine = find(member.agent)) member.motion = std::move(mine->motion);
+    members_ = std::move(members);
     graph_ = std::move(graph);
     values_ = std::move(values);
     newest_ = newest;

@@ -25,9 +25,10 @@ const char* to_string(Arrival arrival);
 
 /// One end of a measurement: an agent at the time of the measurement, or a landmark.
 struct End {
-  char agent = 0;  ///< 0: the landmark
+  std::optional<Agent> agent;  ///< none: the landmark
   Key landmark;
-  End(char letter) : agent(letter) {}
+  End(char kind) : agent(kind) {}
+  End(Agent moving) : agent(moving) {}
   End(Key key) : landmark(key) {}
 };
 
@@ -53,7 +54,7 @@ class Stream {
   Stream(End a, End b, double first, double period);
   std::int64_t number_at(double time) const;
   double due(std::int64_t number) const { return first_ + static_cast<double>(number) * period_; }
-  Key key_of(Window& window, const End& end, double time) const { return end.agent != 0 ? window.at(end.agent, time) : end.landmark; }
+  Key key_of(Window& window, const End& end, double time) const { return end.agent ? window.at(*end.agent, time) : end.landmark; }
   /// The entry of this number, dropped as yet where it is new; those before it that are not there are dropped, too.
   std::size_t place(Window& window, std::int64_t number);
   void set(Entry& entry, Arrival arrival);

@@ -16,68 +16,67 @@ bool same_time(double a, double b) {
 
 // ---- agents
 
-const Window::Agent* Window::find(char letter) const {
-  for (const Agent& agent : agents_)
-    if (agent.letter == letter) return &agent;
+const Window::Member* Window::find(Agent agent) const {
+  for (const Member& member : members_)
+    if (member.agent == agent) return &member;
   return nullptr;
 }
 
-const Window::Agent& Window::known(char letter) const {
-  const Agent* agent = find(letter);
-  if (agent == nullptr) fail<BadKey>("there is no agent ", std::string(1, letter), " in the window; add_agent() or add_state() first");
-  return *agent;
+const Window::Member& Window::known(Agent agent) const {
+  const Member* member = find(agent);
+  if (member == nullptr) fail<BadKey>("there is no agent ", agent, " in the window; add_agent() or add_state() first");
+  return *member;
 }
 
-void Window::enter_agent(char letter, std::unique_ptr<MotionModel> motion) {
-  require_no_agent(Key(letter, 0));
+void Window::enter_agent(Agent agent, std::unique_ptr<MotionModel> motion) {
+  require_no_agent(agent(0));
   for (Key key : values_.keys())
-    if (key.agent() == letter)
-      fail<BadKey>("agent ", std::string(1, letter), ": there is a landmark ", key, " of this letter; choose another one");
-  agents_.push_back({letter, std::move(motion), {}, 0});
+    if (key.agent() == agent) fail<BadKey>("agent ", agent, ": there is a landmark ", key, " of this agent; choose another one");
+  members_.push_back({agent, std::move(motion), {}, 0});
 }
 
-void Window::remove_agent(char letter) {
-  known(letter);
+void Window::remove_agent(Agent agent) {
+  known(agent);
   gone_.clear();
-  for (const State& state : find(letter)->states) {
+  for (const State& state : find(agent)->states) {
     if (options_.on_leaving) options_.on_leaving(state.key, state.time);
     leave(state.key);
     gone_.push_back(state.key);
   }
   values_.erase(gone_);
-  agents_.erase(agents_.begin() + (find(letter) - agents_.data()));
+  members_.erase(members_.begin() + (find(agent) - members_.data()));
 }
 
-Key Window::newest_key(char letter) const {
-  const Agent& agent = known(letter);
-  if (agent.states.empty()) fail<BadKey>("agent ", std::string(1, letter), " has no state yet; add_state() its first one");
-  return agent.states.back().key;
+Key Window::newest_key(Agent agent) const {
+  const Member& member = known(agent);
+  if (member.states.empty()) fail<BadKey>("agent ", agent, " has no state yet; add_state() its first one");
+  return member.states.back().key;
 }
 
 double Window::time(Key key) const {
-  const Agent* agent = find(key.agent());
-  if (agent != nullptr)
-    for (const State& state : agent->states)
+  const Member* member = find(key.agent());
+  if (member != nullptr)
+    for (const State& state : member->states)
       if (state.key == key) return state.time;
   fail<BadKey>("key ", key, " is no state of the window (any more)");
 }
 
-std::vector<Key> Window::states(char letter) const {
+std::vector<Key> Window::states(Agent agent) const {
   std::vector<Key> keys;
-  for (const State& state : known(letter).states) keys.push_back(state.key);
+  for (const State& state : known(agent).states) keys.push_back(state.key);
   return keys;
 }
 
-std::string Window::agents() const {
-  std::string letters;
-  for (const Agent& agent : agents_) letters += agent.letter;
-  return letters;
+std::vector<Agent> Window::agents() const {
+  std::vector<Agent> all;
+  for (const Member& member : members_) all.push_back(member.agent);
+  return all;
 }
 
 std::unordered_map<Key, double> Window::times() const {
   std::unordered_map<Key, double> all;
-  for (const Agent& agent : agents_)
-    for (const State& state : agent.states) all.emplace(state.key, state.time);
+  for (const Member& member : members_)
+    for (const State& state : member.states) all.emplace(state.key, state.time);
   return all;
 }
 
@@ -95,7 +94,7 @@ void Window::require_time(double time) const {
 
 void Window::require_no_agent(Key key) const {
   if (has_agent(key.agent()))
-    fail<BadKey>("key ", key, ": there is an agent ", std::string(1, key.agent()), " in the window; choose another letter");
+    fail<BadKey>("key ", key, ": there is an agent ", key.agent(), " in the window; choose another kind or number");
 }
 
 void Window::fail_unknown(Key key, const std::string& factor) const {
@@ -106,25 +105,24 @@ void Window::fail_unknown(Key key, const std::string& factor) const {
 // Checks first, so that a refused state leaves no trace.
 void Window::require_new_state(Key key, double time) const {
   require_time(time);
-  if (values_.contains(key)) fail<BadKey>("key ", key, " is in the window already; each state has its own index");
-  if (const Agent* agent = find(key.agent())) {
-    for (const State& state : agent->states)
+  if (values_.contains(key)) fail<BadKey>("key ", key, " is in the window already; each state has its own step");
+  if (const Member* member = find(key.agent())) {
+    for (const State& state : member->states)
       if (same_time(state.time, time))
-        fail<BadTime>("key ", key, ": agent ", std::string(1, key.agent()), " has a state at ", time, " s already, ", state.key,
-                      "; measure that one");
+        fail<BadTime>("key ", key, ": agent ", key.agent(), " has a state at ", time, " s already, ", state.key, "; measure that one");
     return;
   }
   for (Key other : values_.keys())
-    if (other.agent() == key.agent()) fail<BadKey>("key ", key, ": there is a landmark ", other, " of this letter; choose another one");
+    if (other.agent() == key.agent()) fail<BadKey>("key ", key, ": there is a landmark ", other, " of this agent; choose another one");
 }
 
 // Its value, and the odometry that leads to it, are there already.
 void Window::enter_new(Key key, double time, FactorId odometry) {
-  if (!has_agent(key.agent())) agents_.push_back({key.agent(), nullptr, {}, 0});
-  Agent& agent = *find(key.agent());
+  if (!has_agent(key.agent())) members_.push_back({key.agent(), nullptr, {}, 0});
+  Member& member = *find(key.agent());
   try {
-    const Place place = tie(agent, key, time);
-    enter(agent, {key, time, place.motion}, place);
+    const Place place = tie(member, key, time);
+    enter(member, {key, time, place.motion}, place);
   } catch (...) {
     if (odometry.number >= 0) graph_.remove(odometry);
     values_.erase(key);
@@ -134,17 +132,17 @@ void Window::enter_new(Key key, double time, FactorId odometry) {
 
 // The motion factors come first: they may refuse the times or their own numbers, and then nothing has changed.
 // passed_over: states before the new one that its motion leads over.
-Window::Place Window::tie(Agent& agent, Key key, double time, int passed_over) {
-  const auto after = std::find_if(agent.states.begin(), agent.states.end(), [&](const State& s) { return s.time > time; });
-  Place place{static_cast<std::size_t>(after - agent.states.begin()), {}, {}};
-  if (!agent.motion) return place;
-  if (after != agent.states.begin()) {
+Window::Place Window::tie(Member& member, Key key, double time, int passed_over) {
+  const auto after = std::find_if(member.states.begin(), member.states.end(), [&](const State& s) { return s.time > time; });
+  Place place{static_cast<std::size_t>(after - member.states.begin()), {}, {}};
+  if (!member.motion) return place;
+  if (after != member.states.begin()) {
     const State& before = *(after - 1 - passed_over);
-    place.motion = agent.motion->add(graph_, before.key, key, time - before.time);
+    place.motion = member.motion->add(graph_, before.key, key, time - before.time);
   }
-  if (after == agent.states.end()) return place;
+  if (after == member.states.end()) return place;
   try {
-    place.onward = agent.motion->add(graph_, key, after->key, after->time - time);
+    place.onward = member.motion->add(graph_, key, after->key, after->time - time);
   } catch (...) {
     if (place.motion.number >= 0) graph_.remove(place.motion);
     throw;
@@ -153,36 +151,36 @@ Window::Place Window::tie(Agent& agent, Key key, double time, int passed_over) {
   return place;
 }
 
-void Window::enter(Agent& agent, const State& state, const Place& place) {
-  agent.states.insert(agent.states.begin() + static_cast<std::ptrdiff_t>(place.index), state);
-  if (place.onward.number >= 0) agent.states[place.index + 1].motion = place.onward;
-  agent.next_index = std::max(agent.next_index, state.key.index() + 1);
+void Window::enter(Member& member, const State& state, const Place& place) {
+  member.states.insert(member.states.begin() + static_cast<std::ptrdiff_t>(place.index), state);
+  if (place.onward.number >= 0) member.states[place.index + 1].motion = place.onward;
+  member.next_step = std::max(member.next_step, std::uint64_t{state.key.step()} + 1);
   newest_ = std::max(newest_, state.time);
 }
 
-Key Window::at(char letter, double time) {
+Key Window::at(Agent agent, double time) {
   const Lap lap(*this);
-  known(letter);
-  Agent& agent = *find(letter);
+  known(agent);
+  Member& member = *find(agent);
   require_time(time);
-  for (auto state = agent.states.rbegin(); state != agent.states.rend() && state->time > time - 1; ++state)
+  for (auto state = member.states.rbegin(); state != member.states.rend() && state->time > time - 1; ++state)
     if (same_time(state->time, time)) return state->key;
-  if (agent.states.empty() || time < agent.states.front().time)
-    fail<BadTime>("agent ", std::string(1, letter), " at ", time,
-                  " s: ", agent.states.empty() ? "it has no state yet" : "its first state is later", "; add_state() tells where it starts");
-  if (!agent.motion)
-    fail<BadTime>("agent ", std::string(1, letter), " has no state at ", time,
+  if (member.states.empty() || time < member.states.front().time)
+    fail<BadTime>("agent ", agent, " at ", time, " s: ", member.states.empty() ? "it has no state yet" : "its first state is later",
+                  "; add_state() tells where it starts");
+  if (!member.motion)
+    fail<BadTime>("agent ", agent, " has no state at ", time,
                   " s and no motion to make one from; add_agent() with a motion, or add_state() with odometry");
-  const bool merges = time > agent.states.back().time && newest_is_mergeable(agent);
-  const Key key(letter, agent.next_index);
-  Place place = tie(agent, key, time, merges ? 1 : 0);
-  const State& before = agent.states[place.index - (merges ? 2 : 1)];
-  agent.motion->insert_predicted(values_, before.key, key, time - before.time);
+  const bool merges = time > member.states.back().time && newest_is_mergeable(member);
+  const Key key = agent(member.next_step);
+  Place place = tie(member, key, time, merges ? 1 : 0);
+  const State& before = member.states[place.index - (merges ? 2 : 1)];
+  member.motion->insert_predicted(values_, before.key, key, time - before.time);
   if (merges) {
-    remove_newest(agent);
+    remove_newest(member);
     --place.index;
   }
-  enter(agent, {key, time, place.motion}, place);
+  enter(member, {key, time, place.motion}, place);
   return key;
 }
 
@@ -200,15 +198,15 @@ bool Window::is_empty(const State& state) const {
 }
 
 /// Nothing but its motion says anything of it: the next state may be tied to the one before, over both times.
-bool Window::newest_is_mergeable(const Agent& agent) const {
-  return options_.collapse && agent.states.size() > 1 && agent.states.back().motion.number >= 0 && is_empty(agent.states.back());
+bool Window::newest_is_mergeable(const Member& member) const {
+  return options_.collapse && member.states.size() > 1 && member.states.back().motion.number >= 0 && is_empty(member.states.back());
 }
 
-void Window::remove_newest(Agent& agent) {
-  graph_.remove(agent.states.back().motion);
-  gone_.assign(1, agent.states.back().key);
+void Window::remove_newest(Member& member) {
+  graph_.remove(member.states.back().motion);
+  gone_.assign(1, member.states.back().key);
   values_.erase(gone_);
-  agent.states.pop_back();
+  member.states.pop_back();
 }
 
 void Window::remove_landmark(Key key) {

@@ -84,10 +84,10 @@ void Window::let_leave() {
   const double cutoff = newest_ - options_.lag;
   const auto most = static_cast<std::size_t>(options_.max_states > 0 ? options_.max_states : std::numeric_limits<int>::max());
   for (;;) {  // the oldest of all agents first
-    Agent* next = nullptr;
-    for (Agent& agent : agents_) {
-      const bool goes = agent.states.size() > most || (agent.states.size() > 1 && agent.states[1].time <= cutoff);
-      if (goes && (next == nullptr || agent.states.front().time < next->states.front().time)) next = &agent;
+    Member* next = nullptr;
+    for (Member& member : members_) {
+      const bool goes = member.states.size() > most || (member.states.size() > 1 && member.states[1].time <= cutoff);
+      if (goes && (next == nullptr || member.states.front().time < next->states.front().time)) next = &member;
     }
     if (next == nullptr) break;
     const Key key = next->states.front().key;

@@ -75,20 +75,20 @@ class Window {
   Window& operator=(Window&&) noexcept;
   ~Window();
 
-  // ---- agents come and go. Throws BadKey where the letter is taken, or not there.
+  // ---- agents come and go: 'A', or Agent('r', 1234). Throws BadKey where the agent is there already, or is not there.
 
   /// Its motion: a factor for one step of dt [s], with merged(m) for m steps; or make(seconds), a factor for any time.
   template <class F>
-  void add_agent(char letter, const F& one_step, double dt, const Loss& loss = {}) {
-    enter_agent(letter, std::make_unique<SteppedMotion<F>>(one_step, dt, loss));
+  void add_agent(Agent agent, const F& one_step, double dt, const Loss& loss = {}) {
+    enter_agent(agent, std::make_unique<SteppedMotion<F>>(one_step, dt, loss));
   }
   template <class Make>
-  void add_agent(char letter, Make make, const Loss& loss = {}) {
-    enter_agent(letter, std::make_unique<TimedMotion<Make>>(std::move(make), loss));
+  void add_agent(Agent agent, Make make, const Loss& loss = {}) {
+    enter_agent(agent, std::make_unique<TimedMotion<Make>>(std::move(make), loss));
   }
   /// All its states leave now.
-  void remove_agent(char letter);
-  bool has_agent(char letter) const { return find(letter) != nullptr; }
+  void remove_agent(Agent agent);
+  bool has_agent(Agent agent) const { return find(agent) != nullptr; }
 
   // ---- states and landmarks. Throws BadTime, BadKey.
 
@@ -112,7 +112,7 @@ class Window {
     enter_new(key, time, id);
   }
   /// The agent's state at this time; made, if there is none, from its motion.
-  Key at(char letter, double time);
+  Key at(Agent agent, double time);
   /// A variable without a time: it stays until it is removed.
   template <class V>
   void add_landmark(Key key, const V& start) {
@@ -151,14 +151,14 @@ class Window {
     return values_.at<V>(key);
   }
   template <class V>
-  const V& newest(char letter) const {
-    return values_.at<V>(newest_key(letter));
+  const V& newest(Agent agent) const {
+    return values_.at<V>(newest_key(agent));
   }
-  Key newest_key(char letter) const;
+  Key newest_key(Agent agent) const;
   double time(Key key) const;                     ///< of a state [s]; throws BadKey
   double newest_time() const { return newest_; }  ///< of all states [s]; −∞ before the first
-  std::vector<Key> states(char letter) const;     ///< oldest first
-  std::string agents() const;                     ///< their letters
+  std::vector<Key> states(Agent agent) const;     ///< oldest first
+  std::vector<Agent> agents() const;              ///< in the order in which they came
   const WindowStep& last_step() const { return step_; }
   const WindowOptions& options() const { return options_; }
 
@@ -178,11 +178,11 @@ class Window {
     double time;
     FactorId motion;  ///< from the state before; number −1: none
   };
-  struct Agent {
-    char letter;
+  struct Member {
+    Agent agent;
     std::unique_ptr<MotionModel> motion;  ///< null: it brings its odometry
     std::vector<State> states;            ///< by time
-    std::uint64_t next_index = 0;
+    std::uint64_t next_step = 0;
   };
   /// Counts the time until the end of the scope as `add`.
   class Lap {
@@ -197,10 +197,10 @@ class Window {
     Stopwatch watch_;
   };
 
-  void enter_agent(char letter, std::unique_ptr<MotionModel> motion);
-  const Agent* find(char letter) const;
-  Agent* find(char letter) { return const_cast<Agent*>(static_cast<const Window*>(this)->find(letter)); }
-  const Agent& known(char letter) const;
+  void enter_agent(Agent agent, std::unique_ptr<MotionModel> motion);
+  const Member* find(Agent agent) const;
+  Member* find(Agent agent) { return const_cast<Member*>(static_cast<const Window*>(this)->find(agent)); }
+  const Member& known(Agent agent) const;
   void require_time(double time) const;
   void require_no_agent(Key key) const;
   template <class F, std::size_t... I>
@@ -218,11 +218,11 @@ class Window {
     std::size_t index = 0;
     FactorId motion, onward;
   };
-  Place tie(Agent& agent, Key key, double time, int passed_over = 0);
-  void enter(Agent& agent, const State& state, const Place& place);
+  Place tie(Member& member, Key key, double time, int passed_over = 0);
+  void enter(Member& member, const State& state, const Place& place);
   bool is_empty(const State& state) const;
-  bool newest_is_mergeable(const Agent& agent) const;
-  void remove_newest(Agent& agent);
+  bool newest_is_mergeable(const Member& member) const;
+  void remove_newest(Member& member);
 
   void solve();
   bool remove_non_finite();
@@ -235,7 +235,7 @@ class Window {
   std::unique_ptr<Backend> backend_;
   Graph graph_;
   Values values_;
-  std::vector<Agent> agents_;
+  std::vector<Member> members_;
   double newest_ = -std::numeric_limits<double>::infinity();
   double seconds_add_ = 0;
   WindowStep step_;

@@ -1,6 +1,7 @@
 // Our factors in GTSAM's graphs, its optimizers as back-ends, and iSAM2.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <gtsam/inference/LabeledSymbol.h>
 #include <gtsam/inference/Symbol.h>
 #include <gtsam/nonlinear/ISAM2.h>
 
@@ -33,6 +34,14 @@ TEST(GtsamValues, GoInAndComeOut) {
   gtsam::Values twofold;
   twofold.insert(gtsam::Symbol('m', 1), gtsam::Vector6(gtsam::Vector6::Zero()));
   EXPECT_THROW(from_gtsam(twofold), BadType);
+}
+
+TEST(GtsamKeys, AreTheSameBits) {
+  const gtsam::Key symbol = gtsam::Symbol('r', 7), labeled = gtsam::LabeledSymbol('x', 'B', 12);
+  EXPECT_EQ(holdfast_key(symbol), Key('r', 7));
+  EXPECT_EQ(holdfast_key(labeled), Agent('x', 'B' << 16)(12));
+  EXPECT_EQ(gtsam::LabeledSymbol(gtsam_key(Agent('x', 'B' << 16)(12))).label(), 'B');
+  for (const gtsam::Key key : {symbol, labeled, gtsam::Key(5), ~gtsam::Key(0)}) EXPECT_EQ(gtsam_key(holdfast_key(key)), key);
 }
 
 /// The Jacobian is with respect to GTSAM's own retract.

@@ -161,6 +161,18 @@ TEST(MrptNetwork, ThereAndBackIsTheSameWithParallelEdgesAndGapsInIds) {
   expect_same(network, to_mrpt<CNetworkOfPoses2DInf>(problem.graph, problem.start));
 }
 
+TEST(MrptNetwork, IdsOfManyRobotsKeepThemApart) {
+  const CNetworkOfPoses2DInf plain = small_network();
+  const auto of_robot = [](TNodeID id) { return (TNodeID{'A'} << 48) | id; };
+  CNetworkOfPoses2DInf network;
+  for (const auto& [id, pose] : plain.nodes) network.nodes[of_robot(id)] = pose;
+  for (const auto& [ids, edge] : plain.edges) network.insertEdge(of_robot(ids.first), of_robot(ids.second), edge);
+  network.root = of_robot(plain.root);
+  const Problem problem = from_mrpt(network);
+  for (const Key key : problem.start.keys()) EXPECT_EQ(key.agent(), Agent('\0', 'A' << 16)) << key;
+  expect_same(network, to_mrpt<CNetworkOfPoses2DInf>(problem.graph, problem.start));
+}
+
 TEST(MrptNetwork, OneOfCovariancesToo) {
   CNetworkOfPoses3DCov network;
   std::mt19937_64 rng(6);

@@ -23,7 +23,7 @@ TEST_P(DataFile, CountsAsPublished) {
   const Dataset data = read(data_directory() + "/" + expected.file);
   EXPECT_EQ(data.format, expected.format);
   EXPECT_TRUE(data.unknown.empty()) << unknown_report(data);
-  std::set<char> agents;
+  std::set<Agent> agents;
   std::set<Key> poses;
   std::size_t relative_poses = 0, ranges = 0, between = 0, relative_points = 0;
   for (const Vertex& vertex : data.vertices)

@@ -29,16 +29,23 @@ TEST(Tum, Lines) {
 TEST(Tum, OneFilePerAgent) {
   const TemporaryDirectory directory;
   Values values;
-  constexpr Agent A('A'), B('b'), L('L'), S('/');
+  constexpr Agent A('A'), B('b'), L('L'), S('/'), robot('r', 1234), other('r', 5), labelled('\0', 'A' << 16);
   for (int i : {10, 2, 1}) values.insert(A(static_cast<unsigned>(i)), Pose2(i, 0, 0));
   values.insert(B(0), Pose3({1, 2, 3}, Pose3::Rotation::Identity()));
   values.insert(L(0), Point2(1, 1));
   values.insert(S(3), Pose2(1, 1, 0));
+  values.insert(robot(0), Pose2(1, 1, 0));
+  values.insert(robot(1), Pose2(2, 1, 0));
+  values.insert(other(9), Pose2(3, 1, 0));
+  values.insert(labelled(1), Pose2(4, 1, 0));
   const std::vector<std::string> paths = write_tum_directory(directory / "new/dir", values, {{A(1), 7.5}, {A(2), 6.5}, {A(10), 8.5}});
   const std::string base = directory / "new/dir/";
-  EXPECT_EQ(paths, (std::vector<std::string>{base + "agent_47.tum", base + "A.tum", base + "b.tum"}));
+  EXPECT_EQ(paths, (std::vector<std::string>{base + "agent_0_4259840.tum", base + "agent_47.tum", base + "A.tum", base + "b.tum",
+                                             base + "r5.tum", base + "r1234.tum"}));
   EXPECT_EQ(content(base + "A.tum"), "6.5 2 0 0 0 0 0 1\n7.5 1 0 0 0 0 0 1\n8.5 10 0 0 0 0 0 1\n");
-  EXPECT_EQ(content(base + "b.tum"), "0 1 2 3 0 0 0 1\n");  // no time stamps: the index
+  EXPECT_EQ(content(base + "b.tum"), "0 1 2 3 0 0 0 1\n");  // no time stamps: the step
+  EXPECT_EQ(content(base + "r5.tum"), "9 3 1 0 0 0 0 1\n");
+  EXPECT_EQ(content(base + "r1234.tum"), "0 1 1 0 0 0 0 1\n1 2 1 0 0 0 0 1\n");
   expect_message<BadFile>([&] { write_tum_directory(directory / "x", values, {{A(1), 7.5}}); }, {"A2 has no time stamp"});
   EXPECT_FALSE(std::filesystem::exists(directory / "x"));
   put(directory / "file", "");

@@ -213,7 +213,7 @@ TEST(Window, AgentsComeAndGo) {
     }
     expected_A = t;
   }
-  EXPECT_EQ(window.agents(), "A");
+  EXPECT_EQ(window.agents(), std::vector<Agent>{'A'});
   EXPECT_NEAR(window.newest_time(), expected_A, 1e-12);
   EXPECT_LT((window.newest<Motion2>('A').position() - truth(4)).norm(), 0.3);
   for (const auto& batch : window.graph().batches())
@@ -442,7 +442,7 @@ TEST(Window, KeepsAnAgentThatJoinedAfterTheSave) {
   first.save(path);
   Window second = two_agents(true);
   second.restore(path);
-  EXPECT_EQ(second.agents(), "AB");
+  EXPECT_EQ(second.agents(), (std::vector<Agent>{'A', 'B'}));
   EXPECT_TRUE(second.states('B').empty());
   second.add_state(B(0), 0.0, Motion2(0, 1, 0, 1));
   EXPECT_EQ(second.at('B', 0.25).agent(), 'B');  // its motion is still there
@@ -458,7 +458,7 @@ TEST(Window, AStateThatIsRefusedLeavesNoTrace) {
   EXPECT_THROW(window.add_state(B(0), 0.1, A(0), bad), BadNumber);                  // of an agent that is not there yet
   EXPECT_THROW(window.add_state(A(7), 0.1 * kStep, Motion2(0, 1, 0, 1)), BadTime);  // off the motion's grid
   EXPECT_THROW(window.add_state(A(7), 0.1 * kStep, A(0), motion()), BadTime);
-  EXPECT_EQ(window.agents(), "A");
+  EXPECT_EQ(window.agents(), std::vector<Agent>{'A'});
   EXPECT_EQ(window.states('A').size(), 1u);
   EXPECT_EQ(window.graph().size(), factors);
   EXPECT_EQ(window.values().size(), 1u);
