@@ -24,6 +24,7 @@
 #include <holdfast/graph/variables.hpp>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <variant>
 #include <vector>
 
@@ -190,6 +191,8 @@ struct Dataset {
   std::vector<Fixed> fixed;
   std::vector<SensorOffset> offsets;
   std::vector<UnknownLine> unknown;
+  /// g2o and TORO: the keys x<n> whose id in the file is gtsam::Symbol('x', n), not the number n; they are written so again.
+  std::unordered_set<Key> symbols;
 };
 
 /// The unknown tags in the order of their first line.

@@ -32,8 +32,9 @@ inline Dataset parse_toro(std::istream& in, const std::string& name) { return pa
 
 /// The text of a file: sensor offsets, vertices, fixed variables, edges, unknown lines, each in the order of the dataset (comments
 /// are gone). Every number reads back bit by bit. Noise of another format is converted (dataset.hpp). BadFile naming the record
-/// where the format cannot hold it: a range in g2o, a time stamp in g2o or TORO, a pose or edge without one in PyFG, a key other than
-/// x0, x1, … where ids are integers, an unknown line of another format, a number that is not finite.
+/// where the format cannot hold it: a range in g2o, a time stamp in g2o or TORO, a pose or edge without one in PyFG, a key whose kind is
+/// no letter in PyFG, a key without an integer id (Key::id()) in g2o or TORO, an unknown line of another format, a number that is not
+/// finite.
 std::string to_pyfg(const Dataset& dataset);
 std::string to_g2o(const Dataset& dataset);
 std::string to_toro(const Dataset& dataset);

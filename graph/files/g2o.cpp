@@ -124,7 +124,7 @@ RecordTable g2o_records() { return {std::begin(kRecords), std::end(kRecords)}; }
 }  // namespace io
 
 std::string to_g2o(const Dataset& dataset) {
-  Text text;
+  Text text(dataset.symbols);
   for (const SensorOffset& offset : dataset.offsets) {
     text.word("PARAMS_SE3OFFSET").word(std::to_string(offset.id));
     write_value(text, offset.T_body_sensor, offset.columns, kFormat);

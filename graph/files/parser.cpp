@@ -68,7 +68,11 @@ void LineParser::parse(std::size_t number, std::string_view text) {
   if (type->columns != 0 ? line_.size() != type->columns : line_.size() < 2)
     line_.error("found ", std::to_string(line_.size()), " columns; expected ",
                 type->columns != 0 ? std::to_string(type->columns) : "2 or more", ": ", type->layout);
-  std::visit([this](auto&& record) { add(std::forward<decltype(record)>(record)); }, type->read(line_));
+  io::Record record = type->read(line_);
+  check_ids();
+  std::visit([this](auto&& one) { add(std::forward<decltype(one)>(one)); }, std::move(record));
+  for (const io::Line::XId& x : line_.x_ids())
+    if (x.is_symbol) dataset_.symbols.insert(x.key);
 }
 
 Dataset LineParser::finish() {
@@ -83,6 +87,17 @@ Dataset LineParser::finish() {
   Dataset done = std::move(dataset_);
   *this = LineParser(done.format, done.name);
   return done;
+}
+
+void LineParser::check_ids() {
+  for (const auto& [key, is_symbol] : line_.x_ids()) {
+    const auto [known, is_new] = spellings_.try_emplace(key, Spelling{is_symbol, line_.number()});
+    if (is_new || known->second.is_symbol == is_symbol) continue;
+    const auto id = [key = key](bool symbol) { return std::to_string(symbol ? key.bits() : key.id()); };
+    line_.error("names ", key.str(), " by the id ", id(is_symbol), ", but line ", std::to_string(known->second.line), " by the id ",
+                id(!is_symbol), "; expected one id for each variable (", key.bits(), " is gtsam::Symbol('x', ", key.step(),
+                ")): give one of them another");
+  }
 }
 
 void LineParser::check_foreign() const {

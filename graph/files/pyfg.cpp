@@ -70,8 +70,8 @@ constexpr const char* vertex_tag() {
 }
 
 void write_name(Text& text, Key key, const std::string& record) {
-  const std::string name = key.str();
-  if (!is_name(name)) cannot_hold(kFormat, record, "its names are a letter and an index; rename " + name);
+  const std::string name = key.kind() + std::to_string(key.index());  // other programs know no agent numbers
+  if (!is_name(name)) cannot_hold(kFormat, record, "its names are a letter and an index; rename " + key.str());
   text.word(name);
 }
 

@@ -140,9 +140,11 @@ template void write_noise<3>(Text&, const MatrixNoise<3>&);
 template void write_noise<6>(Text&, const MatrixNoise<6>&);
 
 void write_id(Text& text, Key key, Format format, const std::string& record) {
-  if (key.agent() != 'x')
-    cannot_hold(format, record, "its ids are integers, and only the keys x0, x1, … become integers; rename " + key.str());
-  text.word(std::to_string(key.index()));
+  try {
+    text.id(key);
+  } catch (const BadKey& error) {
+    cannot_hold(format, record, error.what());
+  }
 }
 
 void write_unknown(Text& text, const Dataset& dataset, Format format) {

@@ -68,6 +68,7 @@ void Line::assign(std::size_t number, std::string_view text) {
   number_ = number;
   text_ = text;
   columns_.clear();
+  x_ids_.clear();
   cursor_ = 1;
   for (std::size_t i = 0; i < text.size();) {
     if (is_space(text[i])) {
@@ -108,19 +109,30 @@ Key Line::next_name() {
   }
 }
 
-Key Line::next_id() { return {'x', next_index("an id")}; }
+Key Line::next_id() {
+  const std::uint64_t id = next_index("an id");
+  const Key key = Key::from_id(id);
+  if (key.agent() == 'x') x_ids_.push_back({key, id == key.bits()});
+  return key;
+}
 
 std::uint64_t Line::next_index(const char* what) {
   const std::string_view text = column(cursor_);
   std::uint64_t value = 0;
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (problem != std::errc{} || end != text.data() + text.size() || value >> 56 != 0)
-    error("column ", std::to_string(cursor_ + 1), " '", excerpt(text), "' is not ", what, "; expected an integer from 0 to 2^56 - 1");
+  if (problem != std::errc{} || end != text.data() + text.size())
+    error("column ", std::to_string(cursor_ + 1), " '", excerpt(text), "' is not ", what, "; expected an integer from 0 to 2^64 - 1");
   ++cursor_;
   return value;
 }
 
-bool is_name(std::string_view text) { return text.size() >= 2 && is_letter(text[0]) && is_digit(text[1]) && is_integer(text.substr(1)); }
+bool is_name(std::string_view text) {
+  if (text.size() < 2 || !is_letter(text[0])) return false;
+  const std::string_view rest = text.substr(1);
+  const std::size_t colon = rest.find(':');
+  const auto digits = [](std::string_view part) { return !part.empty() && is_digit(part[0]) && is_integer(part); };
+  return colon == std::string_view::npos ? digits(rest) : digits(rest.substr(0, colon)) && digits(rest.substr(colon + 1));
+}
 
 bool is_integer(std::string_view text) {
   if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.remove_prefix(1);
@@ -141,6 +153,11 @@ Text& Text::number(double value) {
                   "': the number is not finite");
   char buffer[32];
   return word({buffer, static_cast<std::size_t>(std::to_chars(buffer, buffer + sizeof buffer, value).ptr - buffer)});
+}
+
+Text& Text::id(Key key) {
+  const bool is_symbol = symbols_ != nullptr && !symbols_->empty() && symbols_->count(key) != 0;
+  return word(std::to_string(is_symbol ? key.bits() : key.id()));
 }
 
 void Text::end_line() {

@@ -67,7 +67,7 @@ RecordTable toro_records() { return {std::begin(kRecords), std::end(kRecords)}; 
 }  // namespace io
 
 std::string to_toro(const Dataset& dataset) {
-  Text text;
+  Text text(dataset.symbols);
   if (!dataset.fixed.empty())
     cannot_hold(kFormat, "the fixed variable " + dataset.fixed.front().key.str(), "it has no FIX line; clear `fixed`");
   if (!dataset.offsets.empty()) cannot_hold(kFormat, "a sensor offset", "it has no PARAMS lines; clear `offsets`");

@@ -22,6 +22,7 @@ class LineParser {
   ///  - has too few or too many columns, something that is no finite number, a quaternion not of norm 1 (within 1e-3; normalised),
   ///    a matrix or variance that is not positive definite, a negative distance, an id that is no integer >= 0;
   ///  - is of another dialect (a tag of TORO in a g2o file, names of PyFG in a g2o file, …);
+  ///  - names a variable by another id than an earlier line did (g2o, TORO: 5 and gtsam::Symbol('x', 5) are one key);
   ///  - defines a vertex again, goes from a key to itself, or uses a key as another type than an earlier line did (pose or point, 2D or
   ///  3D);
   ///  - names a sensor offset that is not defined above it or is not the identity (g2o).
@@ -41,6 +42,10 @@ class LineParser {
     std::size_t line;
     bool is_vertex;
   };
+  struct Spelling {
+    bool is_symbol;
+    std::size_t line;
+  };
   struct Orphan {
     std::size_t line;
     std::string text;
@@ -50,6 +55,7 @@ class LineParser {
   void add(Edge edge);
   void add(const std::vector<Fixed>& fixed);
   void add(SensorOffset offset);
+  void check_ids();
   void check_foreign() const;
   void check_offset(std::uint64_t id) const;
   void check_type(Key key, std::size_t type) const;
@@ -58,7 +64,8 @@ class LineParser {
   Dataset dataset_;
   io::Line line_;
   std::unordered_map<Key, Use> uses_;
-  std::unordered_map<Key, Orphan> orphans_;  ///< PyFG: keys used before their vertex came; in the usual order of a file there are none
+  std::unordered_map<Key, Spelling> spellings_;  ///< how the file writes the keys x…
+  std::unordered_map<Key, Orphan> orphans_;      ///< PyFG: keys used before their vertex came; in the usual order of a file there are none
 };
 
 }  // namespace holdfast

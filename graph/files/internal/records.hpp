@@ -82,7 +82,7 @@ template <class V>
 void write_value(Text& text, const V& value, const Columns& columns, Format format) {
   write_columns(text, columns_of(value, columns, format));
 }
-/// `x11` as `11`; BadFile where the key is of another agent, which integer ids cannot tell.
+/// `x11` as `11`, another key as its 64 bits (Text::id); BadFile where the key has no integer id.
 void write_id(Text& text, Key key, Format format, const std::string& record);
 /// The unknown lines, which only their own format takes back.
 void write_unknown(Text& text, const Dataset& dataset, Format format);

@@ -6,6 +6,7 @@
 #include <holdfast/graph/key.hpp>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 namespace holdfast::io {
@@ -48,9 +49,16 @@ class Line {
 
   bool at_end() const { return cursor_ == columns_.size(); }
   double next_number(const char* what);        ///< finite
-  Key next_name();                             ///< A11
-  Key next_id();                               ///< 11 → x11
-  std::uint64_t next_index(const char* what);  ///< an integer >= 0 below 2^56
+  Key next_name();                             ///< A11, or r1234:7
+  Key next_id();                               ///< Key::from_id: 11 → x11
+  std::uint64_t next_index(const char* what);  ///< an integer >= 0 below 2^64
+
+  /// What next_id() made keys x… of on this line: a plain number, or (is_symbol) the 64 bits of the key.
+  struct XId {
+    Key key;
+    bool is_symbol;
+  };
+  const std::vector<XId>& x_ids() const { return x_ids_; }
 
   template <class... Parts>
   [[noreturn]] void error(const Parts&... parts) const {
@@ -62,22 +70,28 @@ class Line {
   std::size_t number_ = 0;
   std::string_view text_;
   std::vector<std::string_view> columns_;
+  std::vector<XId> x_ids_;
   std::size_t cursor_ = 1;
 };
 
-/// Is it a letter and digits, as PyFG names variables? Digits, perhaps signed, as g2o and TORO do?
+/// Is it a letter and digits (or such an agent, a colon and digits), as PyFG names variables? Digits, perhaps signed, as g2o and TORO do?
 bool is_name(std::string_view text);
 bool is_integer(std::string_view text);
 
 /// Lines being written.
 class Text {
  public:
+  Text() = default;
+  /// symbols: Dataset::symbols, for id(); must live as long.
+  explicit Text(const std::unordered_set<Key>& symbols) : symbols_(&symbols) {}
   Text& word(std::string_view text);
   Text& number(double value);  ///< BadFile naming the line so far where it is not finite
+  Text& id(Key key);           ///< Key::id(), or the bits of one of the symbols; BadKey where the key has no id
   void end_line();
   std::string take() { return std::move(text_); }
 
  private:
+  const std::unordered_set<Key>* symbols_ = nullptr;
   std::string text_;
   std::size_t line_start_ = 0;
 };

@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"bad name", Format::PyFG, kPoses, "EDGE_RANGE 1 A1 LL0 5 0.1", {"'LL0' is not a name", "such as A11"}},
         Case{"name too large", Format::PyFG, kPoses, "EDGE_RANGE 1 A1 L99999999999999999999 5 0.1", {"L99999999999999999999", "2^56"}},
         Case{"negative id", Format::G2o, kG2oPoses, "VERTEX_SE2 -2 0 0 0", {"'-2' is not an id", "expected an integer from 0"}},
-        Case{"id too large", Format::G2o, kG2oPoses, "VERTEX_SE2 72057594037927936 0 0 0", {"is not an id"}},
+        Case{"id too large", Format::G2o, kG2oPoses, "VERTEX_SE2 18446744073709551616 0 0 0", {"is not an id"}},
         Case{"zero variance", Format::PyFG, kPoses, "EDGE_RANGE 1 A1 L0 5 0", {"the variance is 0", "> 0"}},
         Case{"negative variance", Format::PyFG, kPoses, "EDGE_RANGE 1 A1 L0 5 -0.1", {"the variance is -0.1"}},
         Case{"negative distance", Format::PyFG, kPoses, "EDGE_RANGE 1 A1 L0 -5 0.1", {"the distance is -5", ">= 0"}},

@@ -197,7 +197,8 @@ TEST(Converting, WhatDoesNotFitIsNamed) {
   Dataset named;
   named.vertices = {pyfg.vertices[0]};
   named.vertices[0].time.reset();
-  expect_message<BadFile>([&] { to_g2o(named); }, {"vertex A0", "integers", "rename A0"});
+  named.vertices[0].key = Key::from_bits(5);  // 5 is x5's id
+  expect_message<BadFile>([&] { to_g2o(named); }, {"a g2o file cannot hold vertex 0x0000000000000005", "no integer id", "x5"});
   named.vertices = {pyfg.vertices[5]};
   expect_message<BadFile>([&] { to_toro(named); }, {"vertex M1 (Point3, line 6)", "poses alone"});
   expect_message<BadFile>([&] { to_pyfg(parsed("VERTEX_XY 1 0 0\nFIX 1\n", Format::G2o)); }, {"PyFG", "fixed variable x1"});
