@@ -1,11 +1,13 @@
 // Our optimizer inside MRPT's graph-slam engine, without a window, beside MRPT's own.
+// clang-format off: CLevMarqGSO.h uses two headers that it does not include
+#include <mrpt/opengl/CDisk.h>
+#include <mrpt/opengl/CSphere.h>
+// clang-format on
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mrpt/graphslam/CGraphSlamEngine.h>
 #include <mrpt/graphslam/GSO/CLevMarqGSO.h>
 #include <mrpt/obs/CObservationOdometry.h>
-#include <mrpt/opengl/CDisk.h>  // before CLevMarqGSO.h, which forgets them
-#include <mrpt/opengl/CSphere.h>
 
 #include <chrono>
 #include <filesystem>
