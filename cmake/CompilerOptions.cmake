@@ -55,7 +55,7 @@ endfunction()
 
 function(holdfast_coverage target)
   if(HOLDFAST_COVERAGE)
-    # Of the rooms alone: without Eigen's and the tests' own lines half as long to run. Inlined after counting, so that no line is lost.
+    # Of these folders alone: without Eigen's and the tests' own lines half as long to run. Inlined after counting, so that no line is lost.
     target_compile_options(${target} PUBLIC --coverage -fprofile-update=atomic -fno-early-inlining
       "-fprofile-filter-files=(^|/)(graph|factors|solvers)/" -fprofile-exclude-files=/tests/)
     target_link_options(${target} PUBLIC --coverage)

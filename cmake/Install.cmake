@@ -32,11 +32,12 @@ install(TARGETS ${installed} EXPORT holdfastTargets ARCHIVE DESTINATION ${CMAKE_
 if(TARGET holdfast_cli)
   install(TARGETS holdfast_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
-foreach(room IN ITEMS graph factors solvers adapters)
-  install(DIRECTORY ${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/holdfast/${room}
+foreach(folder IN ITEMS graph factors solvers adapters)
+  install(DIRECTORY ${folder}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/holdfast/${folder}
     FILES_MATCHING PATTERN "*.hpp" PATTERN internal EXCLUDE)
 endforeach()
 install(FILES holdfast.hpp tests/testing.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/holdfast)
+install(DIRECTORY tests/testing/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/holdfast/testing FILES_MATCHING PATTERN "*.hpp")
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/holdfast)
 install(EXPORT holdfastTargets NAMESPACE holdfast:: DESTINATION ${package_dir})

@@ -1,10 +1,6 @@
-// Two robots drive side by side; each knows its own odometry, and they hear each other's range, sometimes badly wrong. The twenty
-// lines of main() are the README's example.
-#include <holdfast/factors/between.hpp>
-#include <holdfast/factors/prior.hpp>
-#include <holdfast/factors/range.hpp>
-#include <holdfast/graph/check.hpp>
-#include <holdfast/solvers/backend.hpp>
+// Two robots drive side by side; each knows its own odometry, and they hear each other's range, sometimes badly wrong. This is
+// the README's example.
+#include <holdfast/holdfast.hpp>
 #include <iostream>
 
 using namespace holdfast;
@@ -27,8 +23,8 @@ int main(int argc, char** argv) {
   graph.add(Prior<Pose2>::from_sigmas(Pose2(0, 4.5, 0), Vector<3>(2, 2, 0.01)), {B(0)});
 
   for (const Finding& finding : check(graph, values)) std::cout << finding.text << '\n';
-  const auto backend = make_backend(argc > 1 ? argv[1] : "irls");
-  const Summary summary = backend->solve(graph, values);
+  const auto backend = make_backend(argc > 1 ? argv[1] : "irls");  // or "ceres", "nesterov"
+  const Summary summary = backend->solve(graph, values);           // start in, answer out; unchanged when it fails
   std::cout << backend->name() << ": " << summary.str() << "\nB19 is " << (values.at<Pose2>(B(19)).p - values.at<Pose2>(A(19)).p).norm()
             << " m from A19\n";
   return summary.usable() ? 0 : 1;

@@ -1,4 +1,4 @@
-// The problem doctor: what is wrong with a graph and its values, by name, before a solver stumbles over it.
+// The problem check: what is wrong with a graph and its values, by name, before a solver stumbles over it.
 #pragma once
 
 #include <holdfast/graph/graph.hpp>

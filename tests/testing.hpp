@@ -1,7 +1,11 @@
-// For tests of factors, yours included (installed; needs Eigen only):
+// For tests of what you write yourself (installed; needs Eigen only). Each check is one line and returns what is wrong, in words:
 //
-//   std::mt19937_64 rng(1);
-//   EXPECT_LT(holdfast::testing::jacobian_error(MyFactor{…}, testing::random_variable<Pose2>(rng), …), 1e-7);
+//   #include <holdfast/testing/factor.hpp>      EXPECT_EQ(holdfast::testing::check_factor(MyRange{12.3, 0.5}), "");
+//   #include <holdfast/testing/loss.hpp>        EXPECT_EQ(holdfast::testing::check_loss(MyLoss{2.0}), "");
+//   #include <holdfast/testing/variable.hpp>    EXPECT_EQ(holdfast::testing::check_variable<MyState>(), "");
+//   #include <holdfast/testing/backend.hpp>     EXPECT_EQ(holdfast::testing::check_backend(MyBackend()), "");
+//
+// This header: random variables and numeric Jacobians, what the checks are made of.
 #pragma once
 
 #include <holdfast/graph/factor.hpp>

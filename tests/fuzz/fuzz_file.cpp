@@ -1,4 +1,4 @@
-// Any bytes as a file. Either BadFile, or a dataset that its own format gives back bit by bit, and a problem that the doctor, the starts
+// Any bytes as a file. Either BadFile, or a dataset that its own format gives back bit by bit, and a problem that the check, the starts
 // and a solver take or refuse by a typed error. The first byte chooses whether to solve, the start and the loss.
 #include <holdfast/adapters/files/problem.hpp>
 #include <holdfast/graph/check.hpp>

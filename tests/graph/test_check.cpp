@@ -1,4 +1,4 @@
-// The doctor: each finding by name, and no false alarms.
+// The problem check: each finding by name, and no false alarms.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
