@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <holdfast/factors/between.hpp>
-#include <holdfast/factors/prior.hpp>
-#include <holdfast/factors/range.hpp>
-#include <holdfast/factors/relative_point.hpp>
+#include <holdfast/adapters/files/edge_to_factor.hpp>
+#include <holdfast/adapters/files/vertex_value.hpp>
 #include <holdfast/graph/starts/start.hpp>
 #include <holdfast/program/pyfg_lines.hpp>
 #include <holdfast/program/tracker.hpp>
@@ -87,64 +85,53 @@ void Tracker::start(Key key, double time, const Matrix<V::dim, V::dim>& informat
 }
 
 template <class V>
-bool Tracker::add(const RelativePoseEdge<V>& edge, double time) {
-  const auto between = Between<V>::from_information(edge.measured, edge.information());
+bool Tracker::prepare(const RelativePoseEdge<V>& edge, double time) {
   const bool same_agent = edge.first.agent() == edge.second.agent();
   if (same_agent && !window_.has_agent(edge.first.agent())) start<V>(edge.first, time, edge.information());
-  if (same_agent && has(edge.first) && !has(edge.second)) {
-    window_.add_state(edge.second, time_of(edge.second, time), edge.first, between);
-    return true;
-  }
-  if (!has(edge.first) || !has(edge.second)) return false;
-  window_.add(between, {edge.first, edge.second}, options_.loss);
-  return true;
+  return has(edge.first) && has(edge.second);
 }
 
 template <class P>
-bool Tracker::add(const RelativePointEdge<P>& edge, double) {
-  using Pose = std::conditional_t<P::dim == 2, Pose2, Pose3>;
+bool Tracker::prepare(const RelativePointEdge<P>& edge, double) {
   if (!has(edge.pose)) return false;
   if (!has(edge.landmark) && !make_landmark(edge.landmark)) {
     constexpr double kVague = 1000;  // [m]: nothing is known of it but what is measured
-    const Pose& pose = window_.state<Pose>(edge.pose);
+    const auto& pose = window_.state<PoseFor<P>>(edge.pose);
     add_landmark(edge.landmark, P((pose.p + pose.to_world(edge.measured.value)).eval()), kVague);
   }
-  window_.add(RelativePoint<Pose, P>::from_information(edge.measured.value, edge.information()), {edge.pose, edge.landmark}, options_.loss);
   return true;
 }
 
 template <class V>
-bool Tracker::add(const PriorEdge<V>& edge, double time) {
+bool Tracker::prepare(const PriorEdge<V>& edge, double time) {
   constexpr bool is_pose = V::dim > V::space_dim;
-  if (!has(edge.key)) {
-    if (is_pose && window_.has_agent(edge.key.agent())) return false;
-    if (is_pose)
-      window_.add_state(edge.key, time_of(edge.key, time), edge.measured);
-    else
-      window_.add_landmark(edge.key, edge.measured);
-  }
-  window_.add(Prior<V>::from_information(edge.measured, edge.information()), {edge.key});
+  if (has(edge.key)) return true;
+  if (is_pose && window_.has_agent(edge.key.agent())) return false;
+  if (is_pose)
+    window_.add_state(edge.key, time_of(edge.key, time), edge.measured);
+  else
+    window_.add_landmark(edge.key, edge.measured);
   return true;
 }
 
-bool Tracker::add(const RangeEdge& edge, double) {
+bool Tracker::prepare(const RangeEdge& edge, double) {
   for (Key key : {edge.first, edge.second})
     if (!has(key) && !make_landmark(key)) return false;
-  const Values& values = window_.values();
-  const bool plane = values.contains<Pose2>(edge.first) || values.contains<Point2>(edge.first);
-  return plane ? add_range<Pose2, Point2>(edge) : add_range<Pose3, Point3>(edge);
+  return true;
 }
 
-template <class Pose, class Point>
-bool Tracker::add_range(const RangeEdge& edge) {
-  const Values& values = window_.values();
-  const auto add = [&](const auto& range) { window_.add(range, {edge.first, edge.second}, options_.loss); };
-  const bool first = values.contains<Pose>(edge.first), second = values.contains<Pose>(edge.second);
-  const double sigma = std::sqrt(edge.variance);
-  if (first && second) add(Range<Pose, Pose>{edge.distance, sigma});
-  if (first && !second) add(Range<Pose, Point>{edge.distance, sigma});
-  if (!first && second) add(Range<Point, Pose>{edge.distance, sigma});
-  if (!first && !second) add(Range<Point, Point>{edge.distance, sigma});
+template <class E>
+bool Tracker::add(const E& edge, double time) {
+  if (!prepare(edge, time)) return add_odometry(edge, time);
+  edge_to_factor(edge, window_.values(),
+                 [&](const auto& factor, auto... keys) { window_.add(factor, {keys...}, sizeof...(keys) == 1 ? Loss{} : options_.loss); });
+  return true;
+}
+
+template <class V>
+bool Tracker::add_odometry(const RelativePoseEdge<V>& edge, double time) {
+  if (edge.first.agent() != edge.second.agent() || !has(edge.first)) return false;
+  window_.add_state(edge.second, time_of(edge.second, time), edge.first, to_factor(edge));
   return true;
 }
 
@@ -218,14 +205,9 @@ void Tracker::print_newest() {
 }
 
 void Tracker::print(Key key, double time, bool leaving) {
-  const Values& values = window_.values();
-  if (values.contains<Pose2>(key)) {
-    score(key, values.at<Pose2>(key), leaving);
-    print_({time, key, values.at<Pose2>(key), leaving});
-  } else if (values.contains<Pose3>(key)) {
-    score(key, values.at<Pose3>(key), leaving);
-    print_({time, key, values.at<Pose3>(key), leaving});
-  }
+  const VertexValue value = *vertex_value(window_.values(), key);
+  score(key, value, leaving);
+  print_({time, key, value, leaving});
   if (leaving) poses_.erase(key);
 }
 

@@ -75,15 +75,23 @@ class Tracker {
   };
   void take(const Vertex& vertex);
   bool take(const Edge& edge);  ///< false: it waits for a state
+  template <class E>
+  bool add(const E& edge, double time);  ///< false: it waits for a state
+  /// Whether all that the edge names is in the window; makes what it can: an agent's first state, a landmark.
   template <class V>
-  bool add(const RelativePoseEdge<V>& edge, double time);
+  bool prepare(const RelativePoseEdge<V>& edge, double time);
   template <class P>
-  bool add(const RelativePointEdge<P>& edge, double time);
+  bool prepare(const RelativePointEdge<P>& edge, double time);
   template <class V>
-  bool add(const PriorEdge<V>& edge, double time);
-  bool add(const RangeEdge& edge, double time);
-  template <class Pose, class Point>
-  bool add_range(const RangeEdge& edge);
+  bool prepare(const PriorEdge<V>& edge, double time);
+  bool prepare(const RangeEdge& edge, double time);
+  /// An edge whose second end is an agent's next state brings it.
+  template <class V>
+  bool add_odometry(const RelativePoseEdge<V>& edge, double time);
+  template <class E>
+  bool add_odometry(const E&, double) {
+    return false;
+  }
   template <class V>
   void start(Key key, double time, const Matrix<V::dim, V::dim>& information);
   bool has(Key key) const { return window_.values().contains(key); }

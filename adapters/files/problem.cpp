@@ -1,8 +1,6 @@
+#include <holdfast/adapters/files/edge_to_factor.hpp>
 #include <holdfast/adapters/files/problem.hpp>
-#include <holdfast/factors/between.hpp>
-#include <holdfast/factors/prior.hpp>
-#include <holdfast/factors/range.hpp>
-#include <holdfast/factors/relative_point.hpp>
+#include <holdfast/adapters/files/vertex_value.hpp>
 #include <holdfast/graph/starts/chordal.hpp>
 #include <map>
 #include <unordered_map>
@@ -18,10 +16,9 @@ class Builder {
     problem_.start = start();
     const std::vector<bool> odometry = odometry_edges(dataset_);
     for (std::size_t i = 0; i < dataset_.edges.size(); ++i) {
-      const Loss loss = odometry[i] ? Loss{} : options_.loss;
-      problem_.factors.push_back(
-          std::visit([&](const auto& measurement) { return add(measurement, loss); }, dataset_.edges[i].measurement));
-      if (odometry[i]) std::visit([&](const auto& measurement) { note_odometry(measurement); }, dataset_.edges[i].measurement);
+      const Measurement& measurement = dataset_.edges[i].measurement;
+      problem_.factors.push_back(add(measurement, odometry[i] ? Loss{} : options_.loss));
+      if (odometry[i]) std::visit([&](const auto& edge) { note_odometry(edge); }, measurement);
     }
     for (const Fixed& fixed : dataset_.fixed) problem_.graph.fix(fixed.key);
     if (!has_prior_ && dataset_.fixed.empty()) hold_the_world();
@@ -47,35 +44,12 @@ class Builder {
     if (!problem_.relaxed->relaxed.usable()) fail<BadProblem>("the convex start: ", problem_.relaxed->relaxed.why());
   }
 
-  template <class V>
-  FactorId add(const RelativePoseEdge<V>& edge, const Loss& loss) {
-    return problem_.graph.add(Between<V>::from_information(edge.measured, edge.information()), {edge.first, edge.second}, loss);
-  }
-  template <class P>
-  FactorId add(const PriorEdge<P>& edge, const Loss&) {
-    has_prior_ = true;
-    return problem_.graph.add(Prior<P>::from_information(edge.measured, edge.information()), {edge.key});
-  }
-  template <class P>
-  FactorId add(const RelativePointEdge<P>& edge, const Loss& loss) {
-    using Pose = std::conditional_t<P::dim == 2, Pose2, Pose3>;
-    return problem_.graph.add(RelativePoint<Pose, P>::from_information(edge.measured.value, edge.information()), {edge.pose, edge.landmark},
-                              loss);
-  }
-  FactorId add(const RangeEdge& edge, const Loss& loss) {
-    const bool plane = is<Pose2>(edge.first) || is<Point2>(edge.first);
-    return plane ? add_range<Pose2, Point2>(edge, loss) : add_range<Pose3, Point3>(edge, loss);
-  }
-  template <class Pose, class Point>
-  FactorId add_range(const RangeEdge& edge, const Loss& loss) {
-    if (is<Pose>(edge.first) && is<Pose>(edge.second)) return add_range_of<Pose, Pose>(edge, loss);
-    if (is<Pose>(edge.first)) return add_range_of<Pose, Point>(edge, loss);
-    if (is<Pose>(edge.second)) return add_range_of<Point, Pose>(edge, loss);
-    return add_range_of<Point, Point>(edge, loss);
-  }
-  template <class A, class B>
-  FactorId add_range_of(const RangeEdge& edge, const Loss& loss) {
-    return problem_.graph.add(Range<A, B>{edge.distance, std::sqrt(edge.variance)}, {edge.first, edge.second}, loss);
+  FactorId add(const Measurement& measurement, const Loss& loss) {
+    return edge_to_factor(measurement, problem_.start, [&](const auto& factor, auto... keys) {
+      constexpr bool is_prior = sizeof...(keys) == 1;
+      if (is_prior) has_prior_ = true;
+      return problem_.graph.add(factor, {keys...}, is_prior ? Loss{} : loss);
+    });
   }
   template <class V>
   bool is(Key key) const {
@@ -144,18 +118,14 @@ Dataset with_values(const Dataset& dataset, const Values& values) {
   std::map<Key, Vertex*> known;
   for (Vertex& vertex : result.vertices) known[vertex.key] = &vertex;
   std::vector<Vertex> missing;
-  const auto store = [&](Key key, const VertexValue& value) {
+  for (Key key : values.keys()) {
+    const std::optional<VertexValue> value = vertex_value(values, key);
+    if (!value) continue;
     const auto it = known.find(key);
     if (it != known.end())
-      it->second->value = value;
+      it->second->value = *value;
     else
-      missing.push_back({key, value, {}, {}, 0});
-  };
-  for (Key key : values.keys()) {
-    if (values.contains<Pose2>(key)) store(key, values.at<Pose2>(key));
-    if (values.contains<Pose3>(key)) store(key, values.at<Pose3>(key));
-    if (values.contains<Point2>(key)) store(key, values.at<Point2>(key));
-    if (values.contains<Point3>(key)) store(key, values.at<Point3>(key));
+      missing.push_back({key, *value, {}, {}, 0});
   }
   result.vertices.insert(result.vertices.end(), missing.begin(), missing.end());
   return result;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <holdfast/adapters/files/to_dataset.hpp>
+#include <holdfast/adapters/files/vertex_value.hpp>
 #include <holdfast/factors/between.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/range.hpp>
@@ -44,16 +45,11 @@ class Writer {
 
  private:
   void add_vertices(const Values& values) {
-    for (Key key : values.keys())
-      if (!add_vertex<Pose2>(key, values) && !add_vertex<Pose3>(key, values) && !add_vertex<Point2>(key, values) &&
-          !add_vertex<Point3>(key, values))
-        fail<BadOption>("no file holds ", key, ", a ", values.pool(values.slot(key).pool).type_name(), "; files have poses and points");
-  }
-  template <class V>
-  bool add_vertex(Key key, const Values& values) {
-    if (!values.contains<V>(key)) return false;
-    dataset_.vertices.push_back({key, values.at<V>(key), {}, {}, 0});
-    return true;
+    for (Key key : values.keys()) {
+      const std::optional<VertexValue> value = vertex_value(values, key);
+      if (!value) fail<BadOption>("no file holds ", key, ", a ", type_name(values, key), "; files have poses and points");
+      dataset_.vertices.push_back({key, *value, {}, {}, 0});
+    }
   }
 
   template <class A, class B>
