@@ -12,7 +12,7 @@ namespace {
 void refuse_cut_tag(const Dataset& dataset, std::size_t number) {
   if (dataset.unknown.empty() || dataset.unknown.back().line != number) return;
   const std::string& tag = dataset.unknown.back().tag;
-  for (const io::RecordType& record : io::records(dataset.format))
+  for (const io::RecordType& record : io::dialect_of(dataset.format))
     if (record.tag.substr(0, tag.size()) == tag)
       fail<BadFile>(dataset.name, ", line ", number, ": '", dataset.unknown.back().text, "' is no tag; expected ", record.tag,
                     " and its columns (the last line, without a line end: is the file cut?)");
@@ -59,8 +59,6 @@ Dataset parse(std::istream& in, const std::string& name) {
 
 Dataset parse(std::istream& in, const std::string& name, Format format) { return parse_text(all_of(in, name), name, format); }
 
-void write_pyfg(const std::string& path, const Dataset& dataset) { atomic_write(path, to_pyfg(dataset)); }
-void write_g2o(const std::string& path, const Dataset& dataset) { atomic_write(path, to_g2o(dataset)); }
-void write_toro(const std::string& path, const Dataset& dataset) { atomic_write(path, to_toro(dataset)); }
+void write_dataset(const std::string& path, const Dataset& dataset, Format format) { atomic_write(path, to_text(dataset, format)); }
 
 }  // namespace holdfast

@@ -35,13 +35,15 @@ inline Dataset parse_toro(std::istream& in, const std::string& name) { return pa
 /// where the format cannot hold it: a range in g2o, a time stamp in g2o or TORO, a pose or edge without one in PyFG, a key whose kind is
 /// no letter in PyFG, a key without an integer id (Key::id()) in g2o or TORO, an unknown line of another format, a number that is not
 /// finite.
-std::string to_pyfg(const Dataset& dataset);
-std::string to_g2o(const Dataset& dataset);
-std::string to_toro(const Dataset& dataset);
+std::string to_text(const Dataset& dataset, Format format);
+inline std::string to_pyfg(const Dataset& dataset) { return to_text(dataset, Format::PyFG); }
+inline std::string to_g2o(const Dataset& dataset) { return to_text(dataset, Format::G2o); }
+inline std::string to_toro(const Dataset& dataset) { return to_text(dataset, Format::Toro); }
 
-/// The same into a file, whole or not at all (io_atomic.hpp).
-void write_pyfg(const std::string& path, const Dataset& dataset);
-void write_g2o(const std::string& path, const Dataset& dataset);
-void write_toro(const std::string& path, const Dataset& dataset);
+/// The same into a file, whole or not at all (graph/files/atomic.hpp).
+void write_dataset(const std::string& path, const Dataset& dataset, Format format);
+inline void write_pyfg(const std::string& path, const Dataset& dataset) { write_dataset(path, dataset, Format::PyFG); }
+inline void write_g2o(const std::string& path, const Dataset& dataset) { write_dataset(path, dataset, Format::G2o); }
+inline void write_toro(const std::string& path, const Dataset& dataset) { write_dataset(path, dataset, Format::Toro); }
 
 }  // namespace holdfast

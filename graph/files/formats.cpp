@@ -3,22 +3,22 @@
 
 namespace holdfast::io {
 
-RecordTable records(Format format) {
+const Dialect& dialect_of(Format format) {
   switch (format) {
     case Format::PyFG:
-      return pyfg_records();
+      return pyfg();
     case Format::G2o:
-      return g2o_records();
+      return g2o();
     case Format::Toro:
-      return toro_records();
+      return toro();
   }
   fail<BadOption>("format ", static_cast<int>(format), " does not exist");
 }
 
 const RecordType* find_record(Format format, std::string_view tag) {
-  const RecordTable table = records(format);
-  const RecordType* found = std::find_if(table.begin(), table.end(), [&](const RecordType& type) { return type.tag == tag; });
-  return found == table.end() ? nullptr : found;
+  const Dialect& lines = dialect_of(format);
+  const RecordType* found = std::find_if(lines.begin(), lines.end(), [&](const RecordType& type) { return type.tag == tag; });
+  return found == lines.end() ? nullptr : found;
 }
 
 std::optional<Format> dialect(const Line& line) {

@@ -28,19 +28,6 @@ std::vector<KeyUse> uses_of(const PriorEdge<V>& edge) {
   return {{edge.key, VertexValue(edge.measured).index()}};
 }
 
-template <class V>
-std::optional<std::uint64_t> offset_of(const PriorEdge<V>& edge) {
-  return edge.offset;
-}
-template <class P>
-std::optional<std::uint64_t> offset_of(const RelativePointEdge<P>& edge) {
-  return edge.offset;
-}
-template <class E>
-std::optional<std::uint64_t> offset_of(const E&) {
-  return std::nullopt;
-}
-
 const char* type_name(std::size_t type) {
   static constexpr std::array<const char*, 4> names{"Pose2", "Pose3", "Point2", "Point3"};
   return names[type];
@@ -139,8 +126,7 @@ void LineParser::add(Vertex vertex) {
 }
 
 void LineParser::add(Edge edge) {
-  const std::optional<std::uint64_t> offset = std::visit([](const auto& e) { return offset_of(e); }, edge.measurement);
-  if (offset) check_offset(*offset);
+  if (const std::optional<std::uint64_t> offset = io::offset_of(edge.measurement)) check_offset(*offset);
   const std::vector<KeyUse> uses = std::visit([](const auto& e) { return uses_of(e); }, edge.measurement);
   for (const KeyUse& key_use : uses)
     if (key_use.type) check_type(key_use.key, *key_use.type);

@@ -127,6 +127,28 @@ std::pair<Key, Key> read_keys(Line& line, Format format) {
   return {first, second};
 }
 
+std::optional<double> read_time(Line& line, bool is_there) {
+  if (!is_there) return std::nullopt;
+  return line.next_number("a time [s]");
+}
+
+void read_range(Line& line, Format format, RangeEdge& edge) {
+  std::tie(edge.first, edge.second) = read_keys(line, format);
+  edge.distance = line.next_number("a distance [m]");
+  if (edge.distance < 0) line.error("the distance is ", to_text(edge.distance), "; expected >= 0 [m]");
+  edge.variance = line.next_number("a variance [m²]");
+  if (!(edge.variance > 0)) line.error("the variance is ", to_text(edge.variance), "; expected > 0 [m²]");
+}
+
+std::optional<std::uint64_t> offset_of(const Measurement& measurement) {
+  return std::visit(
+      [](const auto& edge) -> std::optional<std::uint64_t> {
+        if constexpr (HasOffset<std::decay_t<decltype(edge)>>::value) return edge.offset;
+        return std::nullopt;
+      },
+      measurement);
+}
+
 void write_columns(Text& text, const Columns& columns) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(columns.size); ++i) text.number(columns.number[i]);
 }
@@ -145,6 +167,16 @@ void write_id(Text& text, Key key, Format format, const std::string& record) {
   } catch (const BadKey& error) {
     cannot_hold(format, record, error.what());
   }
+}
+
+void write_name(Text& text, Key key, const std::string& record) {
+  const std::string name = key.kind() + std::to_string(key.index());  // other programs know no agent numbers
+  if (!is_name(name)) cannot_hold(Format::PyFG, record, "its names are a letter and an index; rename " + key.str());
+  text.word(name);
+}
+
+void write_key(Text& text, Key key, Format format, const std::string& record) {
+  format == Format::PyFG ? write_name(text, key, record) : write_id(text, key, format, record);
 }
 
 void write_unknown(Text& text, const Dataset& dataset, Format format) {

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <holdfast/graph/files/dataset.hpp>
 #include <holdfast/graph/files/internal/text.hpp>
+#include <tuple>
 
 namespace holdfast::io {
 
@@ -42,36 +43,64 @@ Key read_key(Line& line, Format format);
 /// Two keys, an error where they are the same.
 std::pair<Key, Key> read_keys(Line& line, Format format);
 
+/// Does the edge have a place for the id of a sensor offset?
+template <class E, class = void>
+struct HasOffset : std::false_type {};
+template <class E>
+struct HasOffset<E, std::void_t<decltype(E::offset)>> : std::true_type {};
+std::optional<std::uint64_t> offset_of(const Measurement& measurement);
+
 /// What one line holds.
 using Record = std::variant<Vertex, Edge, std::vector<Fixed>, SensorOffset>;
 
+/// PyFG alone has time stamps: on all its lines but the vertices of points.
+constexpr bool has_time(Format format, bool of_point_vertex = false) { return format == Format::PyFG && !of_point_vertex; }
+std::optional<double> read_time(Line& line, bool is_there);
+
 template <class V>
-Vertex read_vertex(Line& line, Format format, std::optional<double> time) {
+Vertex read_vertex(Line& line, Format format) {
+  const std::optional<double> time = read_time(line, has_time(format, V::dim == V::space_dim));
   Vertex vertex{read_key(line, format), V(), read_columns<V>(line, format), time, line.number()};
   vertex.value = decode<V>(vertex.columns);
   return vertex;
 }
+
+// What stands before the numbers of an edge, and the numbers.
 template <class V>
-Edge read_relative_pose(Line& line, Format format, std::optional<double> time) {
-  const auto [first, second] = read_keys(line, format);
-  const Columns columns = read_columns<V>(line, format);
-  return {RelativePoseEdge<V>{first, second, decode<V>(columns), columns, read_noise<V::dim>(line, format)}, time, line.number()};
+void read_keys(Line& line, Format format, RelativePoseEdge<V>& edge) {
+  std::tie(edge.first, edge.second) = read_keys(line, format);
 }
 template <class P>
-Edge read_relative_point(Line& line, Format format, std::optional<double> time, bool has_offset = false) {
-  const auto [pose, landmark] = read_keys(line, format);
-  std::optional<std::uint64_t> offset;
-  if (has_offset) offset = line.next_index("the id of a sensor offset");
-  const Columns columns = read_columns<P>(line, format);
-  return {RelativePointEdge<P>{pose, landmark, decode<P>(columns), columns, read_noise<P::dim>(line, format), offset}, time, line.number()};
+void read_keys(Line& line, Format format, RelativePointEdge<P>& edge) {
+  std::tie(edge.pose, edge.landmark) = read_keys(line, format);
 }
 template <class V>
-Edge read_prior(Line& line, Format format, std::optional<double> time, bool has_offset = false) {
-  const Key key = read_key(line, format);
-  std::optional<std::uint64_t> offset;
-  if (has_offset) offset = line.next_index("the id of a sensor offset");
-  const Columns columns = read_columns<V>(line, format);
-  return {PriorEdge<V>{key, decode<V>(columns), columns, read_noise<V::dim>(line, format), offset}, time, line.number()};
+void read_keys(Line& line, Format format, PriorEdge<V>& edge) {
+  edge.key = read_key(line, format);
+}
+template <class E>
+void read_numbers(Line& line, Format format, E& edge) {
+  using V = decltype(edge.measured);
+  edge.columns = read_columns<V>(line, format);
+  edge.measured = decode<V>(edge.columns);
+  edge.noise = read_noise<V::dim>(line, format);
+}
+void read_range(Line& line, Format format, RangeEdge& edge);
+
+/// An edge's line: time (PyFG), keys, the id of a sensor offset (g2o, where the line has one), numbers.
+template <class E>
+Edge read_edge(Line& line, Format format, bool names_offset) {
+  const std::optional<double> time = read_time(line, has_time(format));
+  E edge;
+  if constexpr (std::is_same_v<E, RangeEdge>) {
+    read_range(line, format, edge);
+  } else {
+    read_keys(line, format, edge);
+    if constexpr (HasOffset<E>::value)
+      if (names_offset) edge.offset = line.next_index("the id of a sensor offset");
+    read_numbers(line, format, edge);
+  }
+  return {edge, time, line.number()};
 }
 
 /// The columns of a value, and its noise in the convention of `format`, into the line being written.
@@ -84,6 +113,10 @@ void write_value(Text& text, const V& value, const Columns& columns, Format form
 }
 /// `x11` as `11`, another key as its 64 bits (Text::id); BadFile where the key has no integer id.
 void write_id(Text& text, Key key, Format format, const std::string& record);
+/// `A11`; BadFile where the key has no such name.
+void write_name(Text& text, Key key, const std::string& record);
+/// A name in PyFG, else an id.
+void write_key(Text& text, Key key, Format format, const std::string& record);
 /// The unknown lines, which only their own format takes back.
 void write_unknown(Text& text, const Dataset& dataset, Format format);
 
