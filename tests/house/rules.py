@@ -84,6 +84,7 @@ TESTED_ELSEWHERE = {
     "adapters/files/problem.hpp": "tests/adapters/test_round_trip.cpp",
     "adapters/files/range_start.hpp": "tests/benchmarks/test_scenarios.cpp",
     "adapters/files/to_dataset.hpp": "tests/adapters/test_round_trip.cpp",
+    "adapters/files/vertex_value.hpp": "tests/adapters/files/test_edge_to_factor.cpp",
     "adapters/g2o/backend.hpp": "tests/adapters/test_g2o.cpp",
     "adapters/g2o/variable.hpp": "tests/adapters/test_g2o.cpp",
     "adapters/gtsam/backend.hpp": "tests/adapters/test_gtsam.cpp",

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <holdfast/adapters/files/edge_to_factor.hpp>
+#include <holdfast/adapters/files/vertex_value.hpp>
 #include <holdfast/solvers/window/window.hpp>
 
 #include "tests/graph/files/helpers.hpp"
@@ -105,6 +106,18 @@ TEST(EdgeToFactor, AddsToAWindowAsToAGraph) {
                                      [&](const auto& factor, auto... keys) { return window.add(factor, {keys...}); });
   EXPECT_TRUE(window.graph().contains(id));
   EXPECT_NEAR(window.graph().cost(window.values()), 2, 1e-12);
+}
+
+TEST(VertexValue, IsTheVariableWhereFilesHaveItsType) {
+  Values values = world();
+  values.insert(A(2), Motion2(0, 0, 0, 0));
+  EXPECT_EQ(std::get<Pose2>(*vertex_value(values, A(1))).p, Vector<2>(1, 5));
+  EXPECT_EQ(std::get<Pose3>(*vertex_value(values, B(1))).p, Vector<3>(1, 5, 3));
+  EXPECT_EQ(std::get<Point2>(*vertex_value(values, L(1))).value, Vector<2>(4, 2));
+  EXPECT_EQ(std::get<Point3>(*vertex_value(values, M(1))).value, Vector<3>(1, 2, 6));
+  EXPECT_FALSE(vertex_value(values, A(2)));
+  EXPECT_STREQ(type_name(values, A(2)), "Motion2");
+  EXPECT_THROW(vertex_value(values, A(9)), BadKey);
 }
 
 }  // namespace
