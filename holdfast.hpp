@@ -15,7 +15,7 @@
 #include <holdfast/graph/files/files.hpp>
 #include <holdfast/graph/graph.hpp>
 #include <holdfast/graph/variables.hpp>
-#include <holdfast/solvers/backend.hpp>
 #include <holdfast/solvers/marginals.hpp>
 #include <holdfast/solvers/outlier_report.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <holdfast/solvers/window/window.hpp>

@@ -4,6 +4,7 @@
 #include <holdfast/common/machine.hpp>
 #include <holdfast/common/report.hpp>
 #include <holdfast/common/table.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast::bench {
 namespace {
@@ -36,6 +37,7 @@ std::string label(const Json& run) {
 std::string remark(const Json& run, double above) {
   if (run["termination"] == "failed") return "failed: " + run["why"].get<std::string>();
   std::string remark = run["termination"] == "converged" ? "" : run["termination"].get<std::string>();
+  if (run.value("restarts", 0) > 0) remark += (remark.empty() ? "" : ", ") + std::string("with a chordal restart");
   if (above > kSameCost) remark += (remark.empty() ? "" : ", ") + std::string("NOT the best cost: ") + text("%+.2g", above) + " of it";
   return remark;
 }

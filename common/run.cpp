@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <holdfast/common/run.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast::common {
 namespace {
@@ -54,6 +55,7 @@ Json to_json(const Run& run) {
   json["cost_first"] = number(s.cost_first);
   json["cost"] = number(s.cost);
   json["iterations"] = s.iterations;
+  json["restarts"] = s.restarts;
   json["termination"] = to_string(s.termination);
   json["why"] = s.why();
   json["gradient_norm"] = number(s.gradient_norm);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/graph/autodiff.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <iostream>
 #ifdef HOLDFAST_WITH_GTSAM
 #include <holdfast/adapters/gtsam/backend.hpp>

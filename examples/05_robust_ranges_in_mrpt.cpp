@@ -2,7 +2,7 @@
 #include <cmath>
 #include <holdfast/adapters/mrpt/graph.hpp>
 #include <holdfast/factors/range.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <iostream>
 
 using namespace holdfast;

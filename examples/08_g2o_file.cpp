@@ -2,7 +2,7 @@
 #include <fstream>
 #include <holdfast/adapters/files/problem.hpp>
 #include <holdfast/graph/files/files.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <iostream>
 
 using namespace holdfast;

@@ -6,7 +6,7 @@
 #include <holdfast/common/log.hpp>
 #include <holdfast/common/machine.hpp>
 #include <holdfast/program/program.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <iostream>
 
 namespace holdfast::program {

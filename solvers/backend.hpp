@@ -1,12 +1,10 @@
-// The one interface of all back-ends, and their name table.
+// The one interface of all back-ends. solvers/table.hpp makes one by its name.
 //
-//   auto backend = make_backend("irls");              // "ceres", "irls", "nesterov", …: backend_names()
 //   Summary s = backend->solve(graph, values);        // values: start in, answer out; unchanged when the solve fails
 #pragma once
 
 #include <holdfast/graph/graph.hpp>
 #include <holdfast/solvers/summary.hpp>
-#include <memory>
 
 namespace holdfast {
 
@@ -17,14 +15,20 @@ class Backend {
   virtual std::string name() const = 0;
 
   /// Minimises graph.cost from `values`. Throws BadOption (options), BadProblem (no factor, nothing free), BadKey, BadType; a
-  /// residual that is not finite ends in Termination::failed naming the factor. Whatever fails leaves values as they were.
+  /// residual that is not finite ends in Termination::failed naming the factor.
+  /// Whatever fails or throws leaves values as they were, bit for bit, whatever minimize() did. Until it returns, `values` holds the
+  /// start, also for the progress callback. References into `values` stay valid.
   Summary solve(const Graph& graph, Values& values);
 
   Options options;
 
  protected:
-  /// `values` is a scratch copy on entry to a failing solve: the caller keeps its own.
+  /// What a back-end implements. `values` is a copy of the caller's: the start on entry, the answer on exit. It may be left in any state
+  /// where the summary is not usable() or an exception leaves; it keeps its keys (a solve that adds or erases some has failed).
   virtual Summary minimize(const Graph& graph, Values& values) = 0;
+
+ private:
+  Values scratch_;  ///< kept from solve to solve, so that a structure met before allocates nothing
 };
 
 /// A problem that cannot be posed to a solver: no factors, or no free variable.
@@ -32,13 +36,5 @@ class BadProblem : public Error {
  public:
   using Error::Error;
 };
-
-/// Throws BadOption listing the names there are.
-std::unique_ptr<Backend> make_backend(const std::string& name, const Options& options = {});
-std::vector<std::string> backend_names();
-
-/// Enters a back-end under a name (adapters of optional libraries do). A name can be entered again: the last one counts.
-using BackendFactory = std::function<std::unique_ptr<Backend>(const Options&)>;
-void register_backend(const std::string& name, BackendFactory factory);
 
 }  // namespace holdfast

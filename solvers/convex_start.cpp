@@ -2,6 +2,7 @@
 #include <array>
 #include <holdfast/graph/resolved.hpp>
 #include <holdfast/solvers/convex_start.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <sstream>
 
 namespace holdfast {

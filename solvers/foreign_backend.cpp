@@ -11,9 +11,8 @@ Summary ForeignBackend::minimize(const Graph& graph, Values& values) {
   if (resolved.tangent_dim() == 0) fail<BadProblem>("every variable that a factor touches is fixed; there is nothing to solve for");
   if (!progress.begin(resolved.cost(graph, values), graph, resolved, values)) return summary;
 
-  Values x = values;
-  optimize(graph, resolved, x, progress);
-  summary.cost = summary.usable() ? resolved.cost(graph, x) : summary.cost_first;
+  optimize(graph, resolved, values, progress);
+  summary.cost = summary.usable() ? resolved.cost(graph, values) : summary.cost_first;
   if (!(summary.cost <= (1 + rounding) * summary.cost_first)) {
     progress.end(Termination::failed, "the optimizer ended above its start");
     summary.cost = summary.cost_first;
@@ -21,9 +20,8 @@ Summary ForeignBackend::minimize(const Graph& graph, Values& values) {
   if (!summary.usable()) return summary;
   std::vector<double> gradient;
   GradientEvaluator evaluate(graph);
-  evaluate(graph, resolved, x, gradient);
+  evaluate(graph, resolved, values, gradient);
   summary.gradient_norm = max_norm(gradient);
-  values.assign(x);
   return summary;
 }
 

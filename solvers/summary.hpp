@@ -12,14 +12,15 @@ const char* to_string(Termination termination);
 
 struct Summary {
   Termination termination = Termination::failed;
-  const char* rule = "";         ///< the stopping rule that ended it (a text that lives for ever)
-  std::string culprit;           ///< of a failure: factor, keys, values
-  double cost_first = 0;         ///< Σ w ½ρ at the start, by Graph::cost
-  double cost = 0;               ///< at the answer
-  double gradient_norm = 0;      ///< largest component of the gradient at the answer (in the tangent)
-  int iterations = 0;            ///< linearisations that led to a step, accepted or not
-  double seconds = 0;            ///< the whole solve() call
-  double seconds_setup = 0;      ///< of it: the back-end's own problem, ordering, symbolic phase
+  const char* rule = "";     ///< the stopping rule that ended it (a string literal: it is never freed)
+  std::string culprit;       ///< of a failure: factor, keys, values
+  double cost_first = 0;     ///< Σ w ½ρ at the start, by Graph::cost
+  double cost = 0;           ///< at the answer
+  double gradient_norm = 0;  ///< largest component of the gradient at the answer (in the tangent)
+  int iterations = 0;        ///< linearisations that led to a step, accepted or not
+  int restarts = 0;          ///< other starts that the back-end tried of itself (irls: the chordal one); part of the solve and its seconds
+  double seconds = 0;        ///< the whole solve() call
+  double seconds_setup = 0;  ///< of it: the back-end's own problem, ordering, symbolic phase
   double seconds_linearize = 0;  ///< residuals and Jacobians
   double seconds_solve = 0;      ///< linear algebra
   std::vector<Iteration> trace;  ///< if asked for

@@ -11,7 +11,7 @@
 #include <holdfast/factors/von_mises_bearing.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
 #include <holdfast/graph/gradient.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <holdfast/testing.hpp>
 
 namespace holdfast::testing {

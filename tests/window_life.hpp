@@ -11,6 +11,7 @@
 #include <holdfast/factors/position_step.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <holdfast/solvers/window/window.hpp>
 #include <set>
 

@@ -12,6 +12,7 @@
 #include <holdfast/adapters/g2o/backend.hpp>
 #include <holdfast/adapters/g2o/g2o.hpp>
 #include <holdfast/solvers/internal/foreign_backend.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast {
 namespace {

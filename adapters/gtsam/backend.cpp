@@ -5,6 +5,7 @@
 #include <holdfast/adapters/gtsam/backend.hpp>
 #include <holdfast/adapters/gtsam/gtsam.hpp>
 #include <holdfast/solvers/internal/foreign_backend.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast {
 namespace {

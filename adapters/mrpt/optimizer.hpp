@@ -16,7 +16,7 @@
 #include <mrpt/graphslam/interfaces/CGraphSlamOptimizer.h>
 
 #include <holdfast/adapters/mrpt/graph.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast {
 

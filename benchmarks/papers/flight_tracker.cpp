@@ -1,6 +1,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <holdfast/benchmarks/papers/flight_tracker.hpp>
+#include <holdfast/benchmarks/papers/newton_backend.hpp>
 #include <holdfast/solvers/marginals.hpp>
 
 namespace holdfast::bench {
@@ -29,9 +30,9 @@ TurningPrior turning_prior(const LinearPrior& left, Key x) {
 }  // namespace
 
 FlightTracker::Window::Window(int states, std::size_t followers, const FlightTracker& tracker)
-    : backend(make_backend(tracker.options_.backend)) {
+    : backend(newton_backend(tracker.options_.backend, {}))  // turns are nearly linear, and Huber is convex
+{
   backend->options.cost_tolerance = tracker.options_.cost_tolerance;
-  backend->options.reweighting = Reweighting::newton;  // turns are nearly linear, and Huber is convex
   for (std::size_t f = 0; f < followers; ++f) {
     samples.emplace_back(states);
     arrivals.push_back(graph.add(TurningPrior{Vector<5>::Zero(), Matrix<5, 5>::Identity()}, {x(f, 0), omega(f, 0)}));

@@ -2,7 +2,7 @@
 #include <holdfast/benchmarks/papers/polish.hpp>
 #include <holdfast/factors/position_step.hpp>
 #include <holdfast/factors/prior.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast::bench {
 namespace {

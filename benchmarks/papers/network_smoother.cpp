@@ -3,6 +3,7 @@
 #include <holdfast/factors/white_jerk.hpp>
 #include <holdfast/solvers/detail/clock.hpp>
 #include <holdfast/solvers/marginals.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <holdfast/common/machine.hpp>
 #include <holdfast/graph/detail/parallel.hpp>
 #include <holdfast/graph/factor.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <map>
 
 namespace holdfast::bench {

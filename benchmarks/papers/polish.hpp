@@ -12,7 +12,7 @@ namespace holdfast::bench {
 class Polish {
  public:
   Polish() {
-    newton_.options.reweighting = Reweighting::newton;
+    newton_.irls_options.reweighting = Reweighting::newton;
     newton_.options.cost_tolerance = 0;
     newton_.options.gradient_tolerance = kFlat;
   }

@@ -1,6 +1,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <holdfast/benchmarks/papers/rivals_a.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast::bench {
 namespace {

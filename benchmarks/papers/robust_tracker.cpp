@@ -1,5 +1,6 @@
 #include <Eigen/LU>
 #include <algorithm>
+#include <holdfast/benchmarks/papers/newton_backend.hpp>
 #include <holdfast/benchmarks/papers/robust_tracker.hpp>
 #include <holdfast/solvers/gnc.hpp>
 #include <holdfast/solvers/marginals.hpp>
@@ -57,9 +58,8 @@ RobustTracker::RobustTracker(double dt, const std::vector<Matrix<2, 2>>& Q, cons
       options_(options),
       cameras_(cameras_of(Q)),
       chain_(cameras_, {options.loss, Squared(), Squared()}),
-      backend_(make_backend(options.backend)) {
+      backend_(newton_backend(options.backend, {})) {
   backend_->options.cost_tolerance = options.cost_tolerance;
-  backend_->options.reweighting = Reweighting::newton;
 }
 
 void RobustTracker::step(const std::vector<Sighting>& sightings) {
@@ -136,7 +136,7 @@ void RobustTracker::acquire() {
   std::vector<ChainNode> tracked = remembered(), found = tracked;
   const Prior<Motion2> anywhere = nothing_known(start_at_measurements(found));
 
-  const auto graduated = gnc(make_backend(options_.backend, backend_->options));
+  const auto graduated = gnc(newton_backend(options_.backend, backend_->options));
   Chain chain(cameras_, {TruncatedSquares{kRejected}, Squared(), Squared()});
   chain.set(found, anywhere);
   const double cost_found = chain.solve(*graduated, found).cost;

@@ -6,6 +6,8 @@
 #include <holdfast/common/table.hpp>
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
+#include <holdfast/solvers/irls/irls.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast::bench {
 namespace {
@@ -79,17 +81,16 @@ struct Row {
 std::vector<Row> rows(const RunnerOptions& asked, const Values& start) {
   std::vector<Row> all;
   for (const double tolerance : {1e-8, 1e-4}) {
-    const auto add = [&](const std::string& name, const std::string& backend, Reweighting reweighting) {
-      Options options = asked.solver;
-      options.threads = 1;
-      options.cost_tolerance = tolerance;
-      options.max_iterations = suites_of({"window"}).front().max_iterations;
-      options.reweighting = reweighting;
-      all.push_back({name, options, make_backend(backend, options), start, {}, {}});
+    Options options = asked.solver;
+    options.threads = 1;
+    options.cost_tolerance = tolerance;
+    options.max_iterations = suites_of({"window"}).front().max_iterations;
+    const auto add = [&](const std::string& name, std::unique_ptr<Backend> backend) {
+      all.push_back({name, options, std::move(backend), start, {}, {}});
     };
     for (const std::string& backend : race_backends())
-      if (backend == "irls" || backend.find('-') == std::string::npos) add(backend, backend, Reweighting::automatic);
-    add("irls(reweighting=irls)", "irls", Reweighting::irls);
+      if (backend.find('-') == std::string::npos) add(backend, make_backend(backend, options));
+    add("irls(reweighting=irls)", std::make_unique<Irls>(options, IrlsOptions{Reweighting::irls}));
   }
   return all;
 }

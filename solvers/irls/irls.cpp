@@ -21,12 +21,13 @@ void require_unknowns(const Resolved& resolved) {
 
 }  // namespace
 
-Irls::Irls(Options chosen) : Backend(std::move(chosen)), rows_(std::make_unique<LinearRows>()) {}
+Irls::Irls(Options chosen, IrlsOptions of_irls)
+    : Backend(std::move(chosen)), irls_options(of_irls), rows_(std::make_unique<LinearRows>()) {}
 Irls::~Irls() = default;
 
 Curvature Irls::curvature(const Graph& graph, bool linear) const {
-  if (options.reweighting == Reweighting::irls) return Curvature::irls;
-  if (options.reweighting == Reweighting::newton) return Curvature::newton;
+  if (irls_options.reweighting == Reweighting::irls) return Curvature::irls;
+  if (irls_options.reweighting == Reweighting::newton) return Curvature::newton;
   const bool convex =
       std::all_of(graph.batches().begin(), graph.batches().end(), [](const auto& batch) { return batch->loss().is_convex(); });
   return linear && convex ? Curvature::newton : Curvature::irls;
@@ -58,7 +59,7 @@ Summary Irls::minimize(const Graph& graph, Values& values) {
 
 void Irls::minimize_nonlinear(const Graph& graph, Progress& progress) {
   Workspace& w = *workspace_;
-  w.may_restart = options.restart;
+  w.may_restart = irls_options.restart;
   w.other_start.reset();
   const double first = linearize(graph, progress);
   if (!progress.begin(first, graph, w.resolved, w.best)) return;
@@ -98,6 +99,7 @@ bool Irls::restart(const Graph& graph, Progress& progress) {
   if (!std::exchange(w.may_restart, false)) return false;
   w.candidate.assign(w.best);
   if (!chordal_start(graph, w.candidate)) return false;
+  ++progress.summary.restarts;
   const double cost = w.resolved.cost(graph, w.candidate, &w.pool);
   progress.watch.lap(progress.summary.seconds_setup);
   if (std::isfinite(cost) && cost >= progress.summary.cost) w.other_start = std::make_unique<Values>(w.candidate);

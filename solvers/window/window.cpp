@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <holdfast/solvers/table.hpp>
 #include <holdfast/solvers/window/window.hpp>
 
 namespace holdfast {

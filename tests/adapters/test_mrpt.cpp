@@ -6,7 +6,7 @@
 #include <holdfast/adapters/mrpt/graph.hpp>
 #include <holdfast/graph/files/files.hpp>
 #include <holdfast/graph/gradient.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <holdfast/testing.hpp>
 
 #include "tests/adapters/data_files.hpp"

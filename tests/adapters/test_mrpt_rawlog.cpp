@@ -14,7 +14,7 @@
 #include <holdfast/adapters/files/range_start.hpp>
 #include <holdfast/adapters/mrpt/rawlog.hpp>
 #include <holdfast/graph/error.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <iostream>
 
 namespace holdfast::testing {

@@ -6,7 +6,7 @@
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/range_ball.hpp>
 #include <holdfast/graph/check.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast::bench {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <holdfast/adapters/mrpt/graph.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 
 using namespace holdfast;
 using mrpt::poses::CPose2D;

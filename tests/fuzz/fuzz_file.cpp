@@ -4,7 +4,7 @@
 #include <holdfast/graph/check.hpp>
 #include <holdfast/graph/files/files.hpp>
 #include <holdfast/graph/files/tum.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <sstream>
 
 #include "bytes.hpp"

@@ -10,7 +10,7 @@
 #include <holdfast/factors/range.hpp>
 #include <holdfast/factors/relative_point.hpp>
 #include <holdfast/graph/check.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <variant>
 
 #include "bytes.hpp"

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <holdfast/adapters/files/problem.hpp>
 #include <holdfast/factors/prior.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 
 #include "bytes.hpp"
 
@@ -34,7 +34,6 @@ void as_options(fuzz::Bytes bytes) {
   options.cost_tolerance = bytes.any();
   options.gradient_tolerance = bytes.any();
   options.time_limit = bytes.any();
-  options.reweighting = static_cast<Reweighting>(bytes.below(3));
   options.trace = bytes.below(2) == 1;
   if (options.threads > 2) return;  // a thread is a thread
   const auto backend = make_backend(bytes.below(2) == 0 ? "irls" : "nesterov", options);

@@ -1,6 +1,8 @@
 // A solve of a structure that the solver has met before allocates nothing.
 #include <gtest/gtest.h>
 
+#include <holdfast/solvers/irls/irls.hpp>
+
 #include "tests/counting_new.hpp"
 #include "tests/problems.hpp"
 
@@ -60,16 +62,15 @@ TEST(Allocation, NoneInAWindowMetBefore) {
   for (const Reweighting reweighting : {Reweighting::automatic, Reweighting::irls}) {
     Options options;
     options.cost_tolerance = 1e-8;
-    options.reweighting = reweighting;
-    const auto backend = make_backend("irls", options);
+    Irls backend(options, {reweighting});
     Window window;
     window.measure(1, 50);
     Values x = window.start;
-    EXPECT_GT(solve_counted(*backend, window.graph, x).allocations, 0);
+    EXPECT_GT(solve_counted(backend, window.graph, x).allocations, 0);
     for (std::uint64_t seed = 2; seed < 20; ++seed) {
       window.measure(seed, 10.0 * static_cast<double>(seed));
       x.assign(window.start);
-      const Counted again = solve_counted(*backend, window.graph, x);
+      const Counted again = solve_counted(backend, window.graph, x);
       EXPECT_EQ(again.allocations, 0) << again.summary.str();
       EXPECT_EQ(again.summary.termination, Termination::converged);
       EXPECT_GT(again.summary.iterations, 1);

@@ -4,6 +4,7 @@
 #include <holdfast/factors/range_bearing.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
 #include <holdfast/solvers/convex_start.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <holdfast/testing.hpp>
 
 namespace holdfast {

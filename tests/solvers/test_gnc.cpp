@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <holdfast/solvers/gnc.hpp>
+#include <holdfast/solvers/irls/irls.hpp>
 
 #include "tests/problems.hpp"
 
@@ -82,12 +83,11 @@ TEST(Gnc, RecoversARingWithFalseClosures) {
 
 TEST(Gnc, IsNeededThere) {
   int lost = 0;
-  Options local = tight();
-  local.restart = false;  // a second start finds the way out of some of them
+  const IrlsOptions local{Reweighting::automatic, false};  // a second start finds the way out of some of them
   for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
     const Ring ring(seed, TruncatedSquares{4}, 0.1);  // the odometry drifts beyond the truncation
     Values plain = ring.start, graduated = ring.start;
-    solve("irls", ring.graph, plain, local);
+    Irls(tight(), local).solve(ring.graph, plain);
     gnc(make_backend("irls", tight()))->solve(ring.graph, graduated);
     const Values oracle = ring.oracle();
     EXPECT_LT(largest_difference(oracle, graduated), 1e-6) << seed;

@@ -7,8 +7,8 @@
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
-#include <holdfast/solvers/backend.hpp>
 #include <holdfast/solvers/marginals.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast::bench {
 namespace {

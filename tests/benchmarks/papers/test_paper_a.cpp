@@ -5,6 +5,7 @@
 #include <holdfast/benchmarks/papers/rivals_a.hpp>
 #include <holdfast/benchmarks/papers/robust_tracker.hpp>
 #include <holdfast/benchmarks/scenarios/random.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast::bench {
 namespace {

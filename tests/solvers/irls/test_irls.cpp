@@ -135,10 +135,9 @@ TEST(Irls, EveryReweightingEndsInTheSameOptimumOfAConvexProblem) {
         const auto linear = tracking<Motion2>(seed, 30, 0.3, loss);
         const auto balls = range_balls<Point2>(seed, 8, loss);
         Options options = to_the_bottom();
-        options.reweighting = reweighting;
         for (const SmallProblem* problem : {&linear, &balls}) {
           Values values = problem->start;
-          ASSERT_TRUE(Irls(options).solve(problem->graph, values).usable());
+          ASSERT_TRUE(Irls(options, {reweighting}).solve(problem->graph, values).usable());
           costs.push_back(problem->graph.cost(values));
         }
       }

@@ -1,0 +1,30 @@
+#include <holdfast/solvers/summary.hpp>
+#include <sstream>
+
+namespace holdfast {
+
+const char* to_string(Termination termination) {
+  switch (termination) {
+    case Termination::converged:
+      return "converged";
+    case Termination::iteration_limit:
+      return "iteration limit";
+    case Termination::time_limit:
+      return "time limit";
+    case Termination::stopped:
+      return "stopped";
+    case Termination::failed:
+      return "failed";
+  }
+  return "failed";
+}
+
+std::string Summary::str() const {
+  std::ostringstream text;
+  text.precision(9);
+  text << to_string(termination) << " (" << why() << "): cost " << cost_first << " -> " << cost << " in " << iterations << " iterations, "
+       << seconds << " s";
+  return text.str();
+}
+
+}  // namespace holdfast
