@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <holdfast/common/metrics.hpp>
 #include <holdfast/graph/resolved.hpp>
+#include <holdfast/solvers/outlier_report.hpp>
 
 namespace holdfast::common {
 namespace {
@@ -33,16 +34,6 @@ Positions common_positions(const Values& truth, const Values& estimate) {
 
 double rms_of_columns(const Eigen::MatrixXd& m) { return std::sqrt(m.squaredNorm() / static_cast<double>(m.cols())); }
 
-/// ρ' of the least trusted part of one residual.
-double weight_of(const Loss& loss, const double* r, int dim) {
-  double squared_norm = 0, least = std::numeric_limits<double>::infinity();
-  for (int c = 0; c < dim; ++c) {
-    squared_norm += r[c] * r[c];
-    least = std::min(least, loss.rho_of_component(r[c]).first);
-  }
-  return loss.per_component || dim == 1 ? least : loss.rho(squared_norm, dim).first;
-}
-
 }  // namespace
 
 std::optional<PositionError> position_error(const Values& truth, const Values& estimate) {
@@ -66,7 +57,7 @@ RangeCount count_ranges(const Graph& graph, const Values& values) {
     residuals.resize(static_cast<std::size_t>(batch.size()) * dim);
     batch.evaluate(values, resolved.batches()[b].index.data(), 0, batch.size(), residuals.data(), nullptr);
     for (int i = 0; i < batch.size(); ++i)
-      if (weight_of(batch.loss(), &residuals[static_cast<std::size_t>(i) * dim], dim) < 0.5) ++count.rejected;
+      if (is_rejected(relative_weight(batch.loss(), &residuals[static_cast<std::size_t>(i) * dim], dim))) ++count.rejected;
     count.ranges += batch.size();
   }
   return count;

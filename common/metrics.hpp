@@ -20,7 +20,8 @@ struct PositionError {
 /// scenario. Keys without an estimate and those of another space than the first are left out. Nothing where none is left.
 std::optional<PositionError> position_error(const Values& truth, const Values& estimate);
 
-/// Ranges of a graph (factors whose name begins with "Range") that its losses reject at these values: weight ρ'(s) < 0.5.
+/// Ranges of a graph (factors whose name begins with "Range") that its losses reject at these values (is_rejected,
+/// solvers/outlier_report.hpp).
 struct RangeCount {
   std::size_t ranges = 0;
   std::size_t rejected = 0;

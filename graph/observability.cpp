@@ -1,8 +1,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <holdfast/graph/detail/union_find.hpp>
 #include <holdfast/graph/observability.hpp>
-#include <numeric>
 
 namespace holdfast {
 namespace {
@@ -11,8 +11,8 @@ using Sparse = Eigen::SparseMatrix<double>;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kNull = 1e-13;       // a pivot of the unit-diagonal H below this is a free direction: rounding is 1e-16
-constexpr double kGaugeNull = 1e-11;  // the same for the Rayleigh quotient of a rigid motion
+constexpr double kShift = 1e-15;      // on the unit diagonal of H: a pivot of exactly zero would stop Eigen
+constexpr double kGaugeNull = 1e-11;  // a rigid motion this free gives its name to a free direction
 constexpr std::size_t kMostListed = 20;
 
 // H = Σ w JᵀJ scaled to a unit diagonal, and what it was scaled by.
@@ -70,29 +70,22 @@ Scaled scaled_hessian(const Graph& graph, const Resolved& resolved, const Values
 }
 
 std::vector<Component> find_components(const Graph& graph, const Resolved& resolved) {
-  std::vector<int> parent(resolved.variables().size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  detail::UnionFind tied(static_cast<int>(resolved.variables().size()));
   for (std::size_t b = 0; b < graph.batches().size(); ++b) {
     const int arity = graph.batches()[b]->arity();
     const std::vector<int>& variable = resolved.batches()[b].variable;
     for (std::size_t f = 0; f < variable.size(); f += arity)
       for (int k = 1; k < arity; ++k) {
-        const bool both_free = resolved.variables()[variable[f]].offset >= 0 && resolved.variables()[variable[f + k]].offset >= 0;
-        if (both_free) parent[root(variable[f + k])] = root(variable[f]);
-        for (int j = 1; j < k; ++j)  // a fixed first variable ties nothing, but the others are tied
+        for (int j = 0; j < k; ++j)  // a fixed variable ties nothing, but the others are tied
           if (resolved.variables()[variable[f + j]].offset >= 0 && resolved.variables()[variable[f + k]].offset >= 0)
-            parent[root(variable[f + k])] = root(variable[f + j]);
+            tied.unite(variable[f + j], variable[f + k]);
       }
   }
-  std::vector<int> number(parent.size(), -1);
+  std::vector<int> number(resolved.variables().size(), -1);
   std::vector<Component> components;
-  for (std::size_t v = 0; v < parent.size(); ++v) {
+  for (std::size_t v = 0; v < number.size(); ++v) {
     if (resolved.variables()[v].offset < 0) continue;
-    int& n = number[root(static_cast<int>(v))];
+    int& n = number[tied.root(static_cast<int>(v))];
     if (n < 0) {
       n = static_cast<int>(components.size());
       components.emplace_back();
@@ -102,18 +95,20 @@ std::vector<Component> find_components(const Graph& graph, const Resolved& resol
   return components;
 }
 
-// Null vectors of the scaled H, one for each vanishing pivot of L D Lᵀ: Lᵀ x = e_j gives H x = d_j L e_j ≈ 0.
+// Null vectors of the scaled H, one for each small pivot of L D Lᵀ that vanishes: Lᵀ x = e_j gives H x = d_j L e_j and xᵀ H x = d_j.
 std::vector<VectorXd> null_vectors(const Sparse& H, std::size_t most) {
   const auto n = H.rows();
   Sparse shifted = H;
-  for (Eigen::Index i = 0; i < n; ++i) shifted.coeffRef(i, i) += 1e-15;  // a pivot of exactly zero would stop Eigen
+  for (Eigen::Index i = 0; i < n; ++i) shifted.coeffRef(i, i) += kShift;
   const Eigen::SimplicialLDLT<Sparse, Eigen::Lower> ldlt(shifted);
   std::vector<VectorXd> null;
   for (Eigen::Index j = 0; j < n && null.size() < most; ++j) {
-    if (!(ldlt.vectorD()[j] <= kNull)) continue;
+    if (!(ldlt.vectorD()[j] <= detail::kSuspectPivot)) continue;
     VectorXd x = VectorXd::Unit(n, j);
     ldlt.matrixU().solveInPlace(x);
     if (!x.allFinite()) continue;
+    const double norm2 = x.squaredNorm();  // the diagonal is 1
+    if (!detail::is_unobservable(ldlt.vectorD()[j] - kShift * norm2, norm2)) continue;
     null.push_back((ldlt.permutationPinv() * x).normalized());
   }
   return null;

@@ -7,6 +7,17 @@
 
 namespace holdfast {
 
+namespace detail {
+
+/// The one rule for what cannot be observed, here and in Marginals: a direction z is free where zᵀ H z is at most 1e-15 of
+/// zᵀ diag(H) z. What is left of zᵀ H z for a null vector in double precision is a few 1e-16 of it, so that a difference cannot be told.
+inline bool is_unobservable(double zHz, double z_diagonal_z) { return !(zHz > 1e-15 * z_diagonal_z); }
+
+/// A pivot of a factorisation is zᵀ H z of one z with z_j = 1: where it exceeds this part of H_jj, z is not looked at.
+inline constexpr double kSuspectPivot = 1e-8;
+
+}  // namespace detail
+
 /// A set of variables that factors tie together, directly or not.
 struct Component {
   std::vector<int> variables;      ///< numbers in Resolved::variables; free ones only

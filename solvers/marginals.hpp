@@ -9,7 +9,8 @@
 // Kaess & Dellaert 2009), in memory O(factor). Pairs that share a factor or a front are then read off; any other costs a few
 // triangular solves. A variable that the factors leave free at these values has no covariance, and asking for it throws an
 // UnobservableError; the other variables of the same graph answer as if it were known in any way. Where weights differ so much that a
-// direction's information is 1e-15 of what surrounds it, it counts as free: double precision cannot tell.
+// direction's information is 1e-15 of what surrounds it, it counts as free: double precision cannot tell. (The same rule as check()'s:
+// graph/observability.hpp. check() counts every term as squared, Marginals weigh it by its loss.)
 // A fixed variable is a constant: its covariance, and that with any other, is zero.
 #pragma once
 

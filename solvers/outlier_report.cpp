@@ -6,22 +6,6 @@
 namespace holdfast {
 namespace {
 
-constexpr double kBelieved = 0.5;
-
-/// The least ρ'(s) / ρ'(0) of the components.
-double relative_weight(const Loss& loss, const std::vector<double>& r) {
-  const int m = static_cast<int>(r.size());
-  double least = 1;
-  if (loss.per_component || m == 1) {
-    for (double x : r) least = std::min(least, loss.rho_of_component(x).first / loss.rho(0, 1).first);
-  } else {
-    double s = 0;
-    for (double x : r) s += x * x;
-    least = loss.rho(s, m).first / loss.rho(0, m).first;
-  }
-  return std::min(least, 1.0);  // one-sided: the harmless side weighs 1, whatever ρ'(0) is
-}
-
 double latest(const std::vector<Key>& keys, const std::unordered_map<Key, double>& times) {
   double time = NAN;
   for (Key key : keys) {
@@ -32,6 +16,18 @@ double latest(const std::vector<Key>& keys, const std::unordered_map<Key, double
 }
 
 }  // namespace
+
+double relative_weight(const Loss& loss, const double* r, int m) {
+  double least = 1;
+  if (loss.per_component || m == 1) {
+    for (int c = 0; c < m; ++c)
+      if (!(loss.one_sided && r[c] > 0)) least = std::min(least, loss.rho(r[c] * r[c], 1).first / loss.rho(0, 1).first);
+    return least;
+  }
+  double s = 0;
+  for (int c = 0; c < m; ++c) s += r[c] * r[c];
+  return loss.rho(s, m).first / loss.rho(0, m).first;
+}
 
 std::vector<MeasurementReport> outlier_report(const Graph& graph, const Values& values, const std::unordered_map<Key, double>& times) {
   using Verdict = MeasurementReport::Verdict;
@@ -56,8 +52,8 @@ std::vector<MeasurementReport> outlier_report(const Graph& graph, const Values& 
       batch.evaluate(values, resolved.batches()[b].index.data(), i, i + 1, one.whitened.data(), nullptr);
       if (type == nullptr || !type->raw(batch, i, one.whitened.data(), one.raw.data())) one.raw.clear();
       if (std::isfinite(batch.cost_of(i, one.whitened.data(), nullptr))) {  // a residual whose square overflows is of no use either
-        one.weight = relative_weight(batch.loss(), one.whitened);
-        one.verdict = one.weight < kBelieved ? Verdict::outlier : Verdict::inlier;
+        one.weight = relative_weight(batch.loss(), one.whitened.data(), batch.residual_dim());
+        one.verdict = is_rejected(one.weight) ? Verdict::outlier : Verdict::inlier;
       }
       report.push_back(std::move(one));
     }

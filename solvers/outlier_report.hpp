@@ -6,10 +6,19 @@
 
 namespace holdfast {
 
+/// How far a loss believes a whitened residual r of m components: ρ'(s) / ρ'(0) in [0, 1]; of a loss per component the least of its
+/// components; 1 on the harmless side of a one-sided loss. 1 is believed, 0 is ignored.
+double relative_weight(const Loss& loss, const double* r, int m);
+
+/// The one rule for "rejected", here and wherever measurements are counted: a relative weight below ½. Squared rejects nothing, Huber{a}
+/// what is beyond 2a sigmas, Cauchy{c} beyond c, TruncatedSquares{c} beyond c, StudentT{ν} where ‖r‖² > ν,
+/// Absolute, which has a corner and no inliers, what is beyond √3 widths.
+inline bool is_rejected(double relative_weight) { return relative_weight < 0.5; }
+
 struct MeasurementReport {
   enum class Verdict {
     inlier,
-    outlier,     ///< weight < ½
+    outlier,     ///< is_rejected(weight)
     not_finite,  ///< its residual is not a number at these values
   };
   FactorId id;
@@ -18,7 +27,7 @@ struct MeasurementReport {
   double time;              ///< [s] the latest of its keys' times; NaN: none has one
   std::vector<double> raw;  ///< residual in the units of the measurement; empty where the factor does not say (raw(), sqrt_information)
   std::vector<double> whitened;  ///< residual in sigmas
-  double weight;                 ///< ρ'(s) / ρ'(0) in [0, 1], the least of its components: 1 is believed, 0 is ignored
+  double weight;                 ///< relative_weight
   Verdict verdict;
 };
 

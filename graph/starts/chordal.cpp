@@ -1,8 +1,8 @@
 #include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
+#include <holdfast/graph/detail/union_find.hpp>
 #include <holdfast/graph/starts/chordal.hpp>
 #include <map>
-#include <numeric>
 #include <set>
 
 namespace holdfast {
@@ -137,19 +137,11 @@ class ChordalStart {
   using System = BlockSystem<n>;
   using Square = Matrix<n, n>;
 
-  int root(int node) {
-    while (part_[node] != node) node = part_[node] = part_[part_[node]];
-    return node;
-  }
   /// part_ of a node: the lowest node it hangs together with.
   void find_parts() {
-    part_.resize(poses_.size());
-    std::iota(part_.begin(), part_.end(), 0);
-    for (const auto& edge : graph_.edges) {
-      const int a = root(number_.at(edge.first)), b = root(number_.at(edge.second));
-      part_[std::max(a, b)] = std::min(a, b);
-    }
-    for (int node = 0; node < static_cast<int>(part_.size()); ++node) part_[node] = root(node);
+    detail::UnionFind parts(static_cast<int>(poses_.size()));
+    for (const auto& edge : graph_.edges) parts.unite(number_.at(edge.first), number_.at(edge.second));
+    for (int node = 0; node < static_cast<int>(poses_.size()); ++node) part_.push_back(parts.root(node));
   }
 
   void hold() {

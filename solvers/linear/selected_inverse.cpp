@@ -1,6 +1,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <holdfast/graph/observability.hpp>
 #include <holdfast/solvers/linear/internal/selected_inverse.hpp>
 
 namespace holdfast {
@@ -11,10 +12,8 @@ using Eigen::MatrixXd;
 using Eigen::OnTheRight;
 using Eigen::VectorXd;
 
-constexpr int kBlock = 48;         // columns eliminated before the rest of the front is updated
-constexpr double kSuspect = 1e-8;  // of the diagonal of H: a smaller pivot is looked into
-constexpr double kNull = 1e-15;    // Rayleigh quotient in the metric of diag H below which a vector is a null vector: rounding is 1e-16
-constexpr double kMoves = 1e-6;    // of the largest entry, in that metric: what a null vector does not move
+constexpr int kBlock = 48;       // columns eliminated before the rest of the front is updated
+constexpr double kMoves = 1e-6;  // of the largest entry, in that metric: what a null vector does not move
 
 }  // namespace
 
@@ -117,9 +116,9 @@ void SelectedInverse::eliminate(int s, MatrixXd& F) {
 // with its own diagonal entry: where z is a rotation of a large map, rounding errors of far variables are what is left of the pivot.
 bool SelectedInverse::pivot_vanishes(int s, const MatrixXd& F, int column) {
   const int scalar = fronts_[s].first_scalar + column;
-  if (F(column, column) > kSuspect * diagonal_[scalar]) return false;
+  if (F(column, column) > detail::kSuspectPivot * diagonal_[scalar]) return false;
   const double energy = extend_to_null_vector(s, F, column);
-  const bool vanishes = !(F(column, column) > kNull * energy);
+  const bool vanishes = detail::is_unobservable(F(column, column), energy);
   const int begin = fronts_[fronts_[s].first_descendant].first_scalar;
   if (vanishes) note_free(begin, scalar);
   null_.segment(begin, scalar + 1 - begin).setZero();

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <holdfast/graph/observability.hpp>
 #include <holdfast/solvers/linear/internal/normal_equations.hpp>
 #include <holdfast/solvers/marginals.hpp>
 
@@ -118,6 +119,36 @@ TEST(Marginals, TellAWeakReferenceOfAStiffChainFromNone) {
   EXPECT_EQ(Marginals(chain.graph, chain.start).unobservable().size(), 2000u);
   for (int k = 0; k < 2000; k += 10) chain.graph.add(Prior<Motion2>::from_sigmas(Motion2(), Vector<4>::Ones()), {A(k)});
   EXPECT_TRUE(Marginals(chain.graph, chain.start).unobservable().empty());
+}
+
+/// What check() finds free, and whether Marginals agree.
+bool is_free(const SmallProblem& problem) {
+  const Resolved resolved(problem.graph, problem.start);
+  bool found = false;
+  for (const Component& component : observability(problem.graph, resolved, problem.start))
+    found = found || !component.gauge.empty() || !component.directions.empty();
+  EXPECT_EQ(found, !Marginals(problem.graph, problem.start).unobservable().empty());
+  return found;
+}
+
+// A chain of n points a step of 1 apart with a prior of information e on the first: z = (1, …, 1) has zᵀ H z = e, and zᵀ diag(H) z is
+// 2 (n − 1). By its last pivot alone, which is e, a chain of two is free at 1e-14, and one of 2,000 is not at 1e-12.
+TEST(Marginals, AndTheCheckOfAGraphHaveOneRuleForWhatIsFree) {
+  const auto chain = [](int points, double information) { return random_walk(points, 1 / std::sqrt(information), 1); };
+  EXPECT_FALSE(is_free(chain(2, 2e-14)));
+  EXPECT_FALSE(is_free(chain(2, 1e-14)));
+  EXPECT_TRUE(is_free(chain(2, 1e-17)));
+  EXPECT_FALSE(is_free(chain(2000, 1e-10)));
+  EXPECT_TRUE(is_free(chain(2000, 1e-12)));
+}
+
+TEST(Unobservable, IsAtMostOnePartInAThousandMillionMillions) {
+  EXPECT_TRUE(holdfast::detail::is_unobservable(1e-15, 1));
+  EXPECT_FALSE(holdfast::detail::is_unobservable(1.01e-15, 1));
+  EXPECT_TRUE(holdfast::detail::is_unobservable(1e-12, 1000));
+  EXPECT_TRUE(holdfast::detail::is_unobservable(0, 0));
+  EXPECT_TRUE(holdfast::detail::is_unobservable(-1e-16, 1));
+  EXPECT_TRUE(holdfast::detail::is_unobservable(NAN, 1));
 }
 
 TEST(Marginals, OfAFixedVariableAreZero) {

@@ -6,6 +6,7 @@
 #include <holdfast/adapters/files/problem.hpp>
 #include <holdfast/factors/range.hpp>
 #include <holdfast/graph/files/files.hpp>
+#include <holdfast/graph/gradient.hpp>
 #include <holdfast/graph/starts/chordal.hpp>
 #include <holdfast/solvers/irls/irls.hpp>
 #include <holdfast/testing.hpp>
@@ -57,6 +58,27 @@ TYPED_TEST(Chordal, ExactMeasurementsGiveTheTruth) {
   const Values values = chordal_start(tangle.data);
   EXPECT_EQ(values.size(), tangle.truth.size());
   EXPECT_LT(largest_error(values, tangle.truth), 1e-9);
+}
+
+// With exact rotations what is left is a linear problem, and the start is its minimum, whatever the information and however the
+// measurements are turned: no translation has a gradient.
+TYPED_TEST(Chordal, TranslationsMinimiseTheCostWhereRotationsAreExact) {
+  using Pose = TypeParam;
+  std::mt19937_64 rng(11);
+  Tangle<Pose> tangle(0);
+  tangle.data.format = Format::G2o;
+  for (Edge& edge : tangle.data.edges) {
+    auto& relative = std::get<RelativePoseEdge<Pose>>(edge.measurement);
+    relative.measured.p += random_vector<Pose::space_dim>(rng, 0.5);
+    relative.noise = {random_covariance<Pose::dim>(rng), Format::G2o};  // an information
+  }
+  tangle.data.fixed = {{x(0), 0}};
+  const Problem problem = make_problem(tangle.data, {});
+  const Gradient g = gradient(problem.graph, chordal_start(tangle.data));
+  EXPECT_EQ(g.keys.size(), tangle.truth.size() - 1);
+  EXPECT_GT(problem.graph.cost(chordal_start(tangle.data)), 1);
+  for (const int offset : g.offsets)
+    for (int c = 0; c < Pose::space_dim; ++c) EXPECT_NEAR(g.value[offset + c], 0, 1e-9);
 }
 
 TYPED_TEST(Chordal, HalfTurnsAreLikeAnyOther) {
@@ -222,7 +244,9 @@ double cost_from(const Dataset& data, ProblemOptions::Start start, double* first
   options.cost_tolerance = 1e-9;
   const Summary summary = Irls(options, {Reweighting::automatic, restart}).solve(problem.graph, values);
   EXPECT_TRUE(summary.usable()) << summary.str();
-  if (!restart) EXPECT_EQ(summary.restarts, 0);
+  if (!restart) {
+    EXPECT_EQ(summary.restarts, 0);
+  }
   if (restarts != nullptr) *restarts = summary.restarts;
   if (first != nullptr) *first = summary.cost_first;
   return summary.cost;
