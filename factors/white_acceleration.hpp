@@ -3,9 +3,9 @@
 // Paper A (1): x_{k+1} = F x_k + G w_k, per axis F = [1 dt; 0 1], G = diag(dt²/2, dt), w ~ N(0, R), R dim × dim [(m/s²)²]. Σ is one of
 //   exact       Q_m = Σ_{i<m} F^i G R Gᵀ F^{iᵀ}                    m steps of (1) as they are: the right one
 //   continuous  q [T³/3 T²/2; T²/2 T] per axis, T = duration       q [m²/s³], the spectral density of the acceleration
-//   paper       G^{[m]} R G^{[m]ᵀ}, dt replaced by m dt in G       as printed below (6); at m = 5 its velocity variance is 5 times too
-//   large (notes D.A.1) recursive   P^{[m]} = F^m P* F^{mᵀ} + G^{[m]} R G^{[m]ᵀ}       as in (7); rightly only the first node's arrival
-//   cost (notes D.A.2–3)
+//   paper       G^{[m]} R G^{[m]ᵀ}, dt replaced by m dt in G       as in (6); at m = 5 its velocity variance is 5 times too large (D.A.1)
+//   recursive   P^{[m]} = F^m P* F^{mᵀ} + G^{[m]} R G^{[m]ᵀ}       as in (7); rightly only the first node's arrival cost
+//               (notes D.A.2–3)
 // The symmetric root makes a per-component Huber mean the same as in the paper (notes D.A.5). Motion2 or Motion3.
 #pragma once
 

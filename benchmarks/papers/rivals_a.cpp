@@ -11,7 +11,7 @@ using Square = Matrix<4, 4>;
 
 const Matrix<2, 2> kQ = Matrix<2, 2>::Identity();
 
-/// The mean of what all cameras see; nothing where none sees.
+/// The first sighting that was received; nothing where none was.
 std::optional<Vector<2>> seen_first(const std::vector<Sighting>& sightings) {
   for (const Sighting& sighting : sightings)
     if (sighting.received) return sighting.z;

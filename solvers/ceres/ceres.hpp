@@ -1,7 +1,7 @@
 // The same graph as a ceres::Problem. Every factor is one residual block; block losses become Ceres loss functions with the same ρ
 // (scaled by the weight); per-component and one-sided losses, which Ceres has not, are folded into the residual exactly:
 // r̃_c = sign(r_c) √ρ(r_c²), so that ½‖r̃‖² is the cost and J̃ᵀr̃ its gradient.
-// Linear solver: dense Cholesky up to 60 unknowns without many factors, else sparse Cholesky (CHOLMOD where Ceres has it).
+// Linear solver: dense Cholesky up to 30 unknowns, else sparse Cholesky (CHOLMOD where Ceres has it).
 #pragma once
 
 #include <holdfast/solvers/backend.hpp>
