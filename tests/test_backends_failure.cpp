@@ -285,15 +285,5 @@ TEST_P(AnyBackend, SolvesWhereTheOnlyFactorOfAVariableWeighsNothing) {
   EXPECT_LT((values.at<Point2>(B(0)).value - Vector<2>(1, 1)).norm(), 1e-6);
 }
 
-TEST(Backends, UnknownNameListsTheNames) {
-  try {
-    make_backend("gauss");
-    FAIL();
-  } catch (const BadOption& error) {
-    EXPECT_THAT(error.what(), HasSubstr("gauss"));
-    for (const std::string& name : backend_names()) EXPECT_THAT(error.what(), HasSubstr(name));
-  }
-}
-
 }  // namespace
 }  // namespace holdfast::testing

@@ -94,7 +94,6 @@ TESTED_ELSEWHERE = {
     "graph/batch.hpp": "tests/graph/test_graph.cpp",
     "graph/error.hpp": "tests/graph/files/test_errors.cpp",
     "graph/factor.hpp": "tests/factors/test_every_factor.cpp",
-    "graph/files/atomic.hpp": "tests/graph/files/test_faults.cpp",
     "graph/files/dataset.hpp": "tests/graph/files/test_formats.cpp",
     "graph/math.hpp": "tests/graph/variables/test_variables.cpp",
     "graph/observability.hpp": "tests/graph/test_check.cpp",
@@ -104,7 +103,6 @@ TESTED_ELSEWHERE = {
     "graph/variables/pose3.hpp": "tests/graph/variables/test_variables.cpp",
     "graph/variables/so3.hpp": "tests/graph/variables/test_variables.cpp",
     "solvers/options.hpp": "tests/solvers/test_backend.cpp",
-    "solvers/outlier_report.hpp": "tests/solvers/window/test_window.cpp",
     "solvers/summary.hpp": "tests/solvers/test_backend.cpp",
 }
 

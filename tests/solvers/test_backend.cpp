@@ -184,30 +184,6 @@ TEST(Options, ErrorsShowValueAndRule) {
   }
 }
 
-TEST(BackendNames, HoldTheInHouseOnes) { EXPECT_THAT(backend_names(), ::testing::IsSupersetOf({"irls", "nesterov"})); }
-
-/// Finds nothing at all.
-class Idle final : public Backend {
- public:
-  using Backend::Backend;
-  std::string name() const override { return "idle"; }
-
- protected:
-  Summary minimize(const Graph&, Values&) override {
-    Summary summary;
-    summary.termination = Termination::stopped;
-    return summary;
-  }
-};
-
-TEST(BackendNames, TakeAUsersOwn) {
-  register_backend("idle", [](const Options& options) { return std::make_unique<Idle>(options); });
-  EXPECT_THAT(backend_names(), ::testing::Contains("idle"));
-  const auto problem = slam<Pose2>(8, 4, 0.1);
-  Values values = problem.start;
-  EXPECT_EQ(make_backend("idle")->solve(problem.graph, values).termination, Termination::stopped);
-}
-
 TEST(Summary, ReadsLikeASentence) {
   Summary summary;
   summary.termination = Termination::failed;

@@ -1,0 +1,48 @@
+// A file is flushed to the disk before it gets its name, and its name is flushed after: a loss of power finds the old file or the new one.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <holdfast/graph/files/atomic.hpp>
+#include <string>
+#include <vector>
+
+namespace {
+std::vector<std::string> events;
+}
+
+// These stand in for those of the C library, note that they were called, and do the same.
+extern "C" {
+int fsync(int fd) {
+  struct stat status {};
+  ::fstat(fd, &status);
+  events.push_back(S_ISDIR(status.st_mode) ? "flush the directory" : "flush " + std::to_string(status.st_size) + " bytes");
+  return static_cast<int>(::syscall(SYS_fsync, fd));
+}
+int rename(const char* from, const char* to) noexcept {
+  events.push_back("rename");
+  return static_cast<int>(::syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
+}
+}
+
+namespace holdfast {
+namespace {
+
+TEST(AtomicWrite, FlushesTheFileThenNamesItThenFlushesTheDirectory) {
+  const std::string path = (std::filesystem::temp_directory_path() / ("holdfast_order_" + std::to_string(::getpid()))).string();
+  for (const std::string content : {"first", "second one"}) {
+    events.clear();
+    atomic_write(path, content);
+    const std::string bytes = std::to_string(content.size());
+    EXPECT_EQ(events, (std::vector<std::string>{"flush " + bytes + " bytes", "rename", "flush the directory"}));
+    EXPECT_EQ(std::filesystem::file_size(path), content.size());
+  }
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace holdfast
