@@ -145,11 +145,25 @@ struct RandomVariables {
 template <class F>
 struct Sample;
 
+namespace detail {
+/// An information matrix; of every four one says nothing of its first component, and one nothing of a direction between all of them.
+template <int N>
+Matrix<N, N> information(std::mt19937_64& rng) {
+  Matrix<N, N> I = random_covariance<N>(rng);
+  const Vector<N> silent = random_unit<N>(rng);
+  const Matrix<N, N> others = Matrix<N, N>::Identity() - silent * silent.transpose();
+  const double kind = uniform(rng, 0, 1);
+  if (kind < 0.25) I.row(0).setZero(), I.col(0).setZero();
+  if (kind > 0.75) I = others * I * others;
+  return 0.5 * (I + I.transpose());
+}
+}  // namespace detail
+
 template <class V>
 struct Sample<Prior<V>> : RandomVariables<Prior<V>> {
   static Prior<V> factor(std::mt19937_64& rng) {
     const V mean = detail::near_rotation(V{}, 1, rng);
-    return Prior<V>::from_covariance(mean, random_covariance<V::dim>(rng));
+    return Prior<V>::from_information(mean, detail::information<V::dim>(rng));
   }
 };
 
@@ -157,7 +171,7 @@ template <class V>
 struct Sample<Between<V>> : RandomVariables<Between<V>> {
   static Between<V> factor(std::mt19937_64& rng) {
     const V measured = detail::near_rotation(V{}, 1, rng);
-    return Between<V>::from_covariance(measured, random_covariance<V::dim>(rng));
+    return Between<V>::from_information(measured, detail::information<V::dim>(rng));
   }
 };
 
@@ -165,7 +179,7 @@ template <class P, class L>
 struct Sample<RelativePoint<P, L>> : RandomVariables<RelativePoint<P, L>> {
   static RelativePoint<P, L> factor(std::mt19937_64& rng) {
     const Vector<P::space_dim> measured = random_vector<P::space_dim>(rng, 5);
-    return RelativePoint<P, L>::from_covariance(measured, random_covariance<P::space_dim>(rng));
+    return RelativePoint<P, L>::from_information(measured, detail::information<P::space_dim>(rng));
   }
 };
 

@@ -18,7 +18,7 @@ Matrix<N, N> information_of(const Matrix<N, N>& sqrt_information) {
 /// Noise of a deviation measured⁻¹ · predicted in the convention of a format.
 template <class V>
 MatrixNoise<V::dim> noise_of(const Matrix<V::dim, V::dim>& information, const V& measured, Format format) {
-  return MatrixNoise<V::dim>{detail::inverse_of_symmetric<V::dim>(information), Format::PyFG}.converted(format, measured);
+  return MatrixNoise<V::dim>::of_information(information, format, measured);
 }
 
 /// Takes the factors of known types out of a graph, one list after the other.

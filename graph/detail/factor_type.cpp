@@ -15,6 +15,33 @@ FactorTypes& types() {
   return all;
 }
 
+bool smaller(double a, double b) { return std::abs(a) < std::abs(b); }
+
+// Gauss with row pivoting, A x = b: row_of[c] is the row that gives x_c, −1 where none is left and x_c is 0.
+void solve_in_place(int n, double* A, double* b, int* row_of, double* x) {
+  constexpr double kZero = 1e-13;  // of the column's largest entry: a pivot that is rounding
+  const auto column = [&](int c) { return A + static_cast<std::ptrdiff_t>(c) * n; };
+  for (int c = 0; c < n; ++c) x[c] = kZero * std::abs(*std::max_element(column(c), column(c) + n, smaller));
+  int rank = 0;
+  for (int c = 0; c < n; ++c) {
+    const int pivot = static_cast<int>(std::max_element(column(c) + rank, column(c) + n, smaller) - column(c));
+    row_of[c] = pivot < n && std::abs(column(c)[pivot]) > x[c] ? rank++ : -1;
+    if (row_of[c] < 0) continue;
+    const int top = row_of[c];
+    for (int k = c; k < n && pivot != top; ++k) std::swap(column(k)[top], column(k)[pivot]);
+    std::swap(b[top], b[pivot]);
+    for (int row = top + 1; row < n; ++row) {
+      const double f = column(c)[row] / column(c)[top];
+      for (int k = c + 1; k < n; ++k) column(k)[row] -= f * column(k)[top];
+      b[row] -= f * b[top];
+    }
+  }
+  for (int c = n - 1; c >= 0; --c) {
+    x[c] = row_of[c] < 0 ? 0 : b[row_of[c]] / column(c)[row_of[c]];
+    for (int row = 0; row < row_of[c]; ++row) b[row] -= column(c)[row] * x[c];
+  }
+}
+
 }  // namespace
 
 const FactorType* find_factor_type(std::type_index type) {
@@ -33,32 +60,18 @@ bool enter_factor_type(std::type_index type, FactorType description) {
   return is_new;
 }
 
-// Gauss with row pivoting. A column without a pivot moves nothing.
 void detail::solve_square(int n, const double* W, const double* r, double* x) {
   constexpr int kStack = 16;
-  double local[kStack * kStack];
-  std::vector<double> large(n > kStack ? static_cast<std::size_t>(n) * n : 0);
-  double* const A = n > kStack ? large.data() : local;
-  std::copy_n(W, n * n, A);
-  std::copy_n(r, n, x);
-  for (int c = 0; c < n; ++c) {
-    int pivot = c;
-    for (int row = c + 1; row < n; ++row)
-      if (std::abs(A[c * n + row]) > std::abs(A[c * n + pivot])) pivot = row;
-    if (A[c * n + pivot] == 0) continue;
-    if (pivot != c) {
-      for (int k = c; k < n; ++k) std::swap(A[k * n + c], A[k * n + pivot]);
-      std::swap(x[c], x[pivot]);
-    }
-    for (int row = c + 1; row < n; ++row) {
-      const double f = A[c * n + row] / A[c * n + c];
-      for (int k = c + 1; k < n; ++k) A[k * n + row] -= f * A[k * n + c];
-      x[row] -= f * x[c];
-    }
-  }
-  for (int c = n - 1; c >= 0; --c) {
-    x[c] = A[c * n + c] == 0 ? 0 : x[c] / A[c * n + c];
-    for (int row = 0; row < c; ++row) x[row] -= A[c * n + row] * x[c];
+  if (n <= kStack) {
+    double A[kStack * kStack], b[kStack];
+    int row_of[kStack];
+    std::copy_n(W, n * n, A);
+    std::copy_n(r, n, b);
+    solve_in_place(n, A, b, row_of, x);
+  } else {
+    std::vector<double> A(W, W + static_cast<std::ptrdiff_t>(n) * n), b(r, r + n);
+    std::vector<int> row_of(n);
+    solve_in_place(n, A.data(), b.data(), row_of.data(), x);
   }
 }
 

@@ -36,7 +36,8 @@ template <class F>
 struct HasSqrtInformation<F, std::enable_if_t<std::decay_t<decltype(std::declval<const F&>().sqrt_information)>::SizeAtCompileTime ==
                                               F::residual_dim * F::residual_dim>> : std::true_type {};
 
-/// W x = r, W n × n, column-major.
+/// W x = r, W n × n, column-major. Where W is singular (partial information) and r in its range, one of the many solutions: a component of
+/// which W says nothing is 0.
 void solve_square(int n, const double* W, const double* r, double* x);
 
 template <class F>

@@ -20,6 +20,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <holdfast/graph/error.hpp>
 #include <holdfast/graph/key.hpp>
 #include <holdfast/graph/variables.hpp>
 #include <optional>
@@ -32,7 +33,7 @@ namespace holdfast {
 
 enum class Format { PyFG, G2o, Toro };
 
-inline const char* name(Format format) {
+inline const char* to_string(Format format) {
   static constexpr std::array<const char*, 3> names{"PyFG", "g2o", "TORO"};
   return names[static_cast<std::size_t>(format)];
 }
@@ -58,7 +59,11 @@ Matrix<V::dim, V::dim> noise_coordinates(Format format, const V& measured) {
 namespace detail {
 template <int N>
 Matrix<N, N> inverse_of_symmetric(const Matrix<N, N>& S) {
-  const Matrix<N, N> inverse = S.llt().solve(Matrix<N, N>::Identity());
+  const auto cholesky = S.llt();
+  const Matrix<N, N> inverse = cholesky.solve(Matrix<N, N>::Identity());
+  if (cholesky.info() != Eigen::Success || !inverse.allFinite())
+    fail<BadNumber>("the noise matrix with diagonal [", S.diagonal().transpose(),
+                    "] has no inverse; where an information is 0 there is no covariance: write a format that holds information (g2o)");
   return 0.5 * (inverse + inverse.transpose());
 }
 template <int N>
@@ -68,7 +73,7 @@ Matrix<N, N> congruence(const Matrix<N, N>& J, const Matrix<N, N>& S) {
 }
 }  // namespace detail
 
-/// A symmetric positive definite matrix in the convention of `format`.
+/// A symmetric matrix in the convention of `format`: a covariance is positive definite, an information may be positive semidefinite.
 template <int N>
 struct MatrixNoise {
   Matrix<N, N> written = Matrix<N, N>::Identity();
@@ -92,10 +97,15 @@ struct MatrixNoise {
   /// The same noise in the convention of another format; exactly `*this` where it is the same format.
   template <class V>
   MatrixNoise converted(Format to, const V& measured) const {
-    if (to == format) return *this;
-    const Matrix<N, N> deviation_of_coordinates = noise_coordinates(to, measured).inverse();
-    const Matrix<N, N> I = detail::congruence<N>(deviation_of_coordinates, information(measured));
-    return {to == Format::PyFG ? detail::inverse_of_symmetric<N>(I) : I, to};
+    return to == format ? *this : of_information(information(measured), to, measured);
+  }
+  /// What a file of this format says of an information of measured⁻¹ · predicted. Throws BadNumber where it has no covariance and needs
+  /// one.
+  template <class V>
+  static MatrixNoise of_information(const Matrix<N, N>& information, Format format, const V& measured) {
+    const Matrix<N, N> deviation_of_coordinates = noise_coordinates(format, measured).inverse();
+    const Matrix<N, N> I = detail::congruence<N>(deviation_of_coordinates, information);
+    return {format == Format::PyFG ? detail::inverse_of_symmetric<N>(I) : I, format};
   }
 };
 

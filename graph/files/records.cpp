@@ -1,4 +1,5 @@
 #include <Eigen/Eigenvalues>
+#include <holdfast/graph/detail/semidefinite.hpp>
 #include <holdfast/graph/files/internal/records.hpp>
 
 namespace holdfast::io {
@@ -23,20 +24,6 @@ std::array<Entry, static_cast<std::size_t>(triangle_count(N))> entries(Format fo
   return order;
 }
 
-Pose3 from_roll_pitch_yaw(const std::array<double, 7>& c) {
-  using Axis = Vector<3>;
-  const auto turn = [](double angle, const Axis& axis) { return so3::exp<double>((angle * axis).eval()); };
-  return {{c[0], c[1], c[2]}, (turn(c[5], Axis::UnitZ()) * turn(c[4], Axis::UnitY()) * turn(c[3], Axis::UnitX())).normalized()};
-}
-
-Columns to_roll_pitch_yaw(const Pose3& pose) {
-  const Matrix<3, 3> R = pose.rotation();
-  const double roll = std::atan2(R(2, 1), R(2, 2));
-  const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
-  const double yaw = std::atan2(R(1, 0), R(0, 0));
-  return {{pose.p[0], pose.p[1], pose.p[2], roll, pitch, yaw}, 6};
-}
-
 }  // namespace
 
 template <>
@@ -46,7 +33,7 @@ Pose2 decode<Pose2>(const Columns& c) {
 template <>
 Pose3 decode<Pose3>(const Columns& c) {
   const std::array<double, 7>& n = c.number;
-  if (c.size == 6) return from_roll_pitch_yaw(n);
+  if (c.size == 6) return Pose3::from_roll_pitch_yaw({n[0], n[1], n[2]}, n[3], n[4], n[5]);
   return {{n[0], n[1], n[2]}, Pose3::Rotation(n[6], n[3], n[4], n[5]).normalized()};
 }
 template <>
@@ -64,7 +51,10 @@ Columns encode<Pose2>(const Pose2& pose, Format) {
 }
 template <>
 Columns encode<Pose3>(const Pose3& pose, Format format) {
-  if (format == Format::Toro) return to_roll_pitch_yaw(pose);
+  if (format == Format::Toro) {
+    const Vector<3> angles = pose.roll_pitch_yaw();
+    return {{pose.p[0], pose.p[1], pose.p[2], angles[0], angles[1], angles[2]}, 6};
+  }
   return {{pose.p[0], pose.p[1], pose.p[2], pose.q.x(), pose.q.y(), pose.q.z(), pose.q.w()}, 7};
 }
 template <>
@@ -106,11 +96,16 @@ MatrixNoise<N> read_noise(Line& line, Format format) {
   const char* what = noise.is_covariance() ? "a covariance" : "an information";
   for (const Entry& entry : entries<N>(format))
     noise.written(entry.row, entry.column) = noise.written(entry.column, entry.row) = line.next_number(what);
-  if (noise.written.llt().info() != Eigen::Success) {
+  Matrix<N, N> root;
+  const bool usable = noise.is_covariance() ? noise.written.llt().info() == Eigen::Success
+                                            : detail::semidefinite_root(N, noise.written.data(), root.data());
+  if (!usable) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(noise.written,
                                                                   Eigen::EigenvaluesOnly);  // DontAlign breaks the fixed-size one
     line.error(noise.is_covariance() ? "the covariance" : "the information",
-               " matrix is not positive definite: its smallest eigenvalue is ", to_text(spectrum.eigenvalues()[0]), "; expected all > 0");
+               noise.is_covariance() ? " matrix is not positive definite" : " matrix is not positive semidefinite",
+               ": its smallest eigenvalue is ", to_text(spectrum.eigenvalues()[0]), "; expected all ",
+               noise.is_covariance() ? "> 0" : ">= 0");
   }
   return noise;
 }
@@ -190,7 +185,7 @@ void write_unknown(Text& text, const Dataset& dataset, Format format) {
 }
 
 void cannot_hold(Format format, const std::string& record, const std::string& why) {
-  fail<BadFile>("a ", name(format), " file cannot hold ", record, ": ", why);
+  fail<BadFile>("a ", to_string(format), " file cannot hold ", record, ": ", why);
 }
 
 std::string describe(const Vertex& vertex) {

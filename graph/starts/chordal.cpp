@@ -207,7 +207,7 @@ class ChordalStart {
     for (const auto* edge : edges) {
       const int i = number_.at(edge->first), j = number_.at(edge->second);
       const Square R_world_measured = poses_[i].rotation() * edge->measured.rotation();
-      const Square in_measured = edge->information.template topLeftCorner<n, n>();
+      const Square in_measured = whole(edge->information.template topLeftCorner<n, n>());
       system.add(i, j, Square::Identity(), R_world_measured * in_measured * R_world_measured.transpose(),
                  poses_[i].to_world(edge->measured.p), poses_[i].p, poses_[j].p);
     }
@@ -216,6 +216,13 @@ class ChordalStart {
     for (std::size_t node = 0; node < poses_.size(); ++node)
       if (unknown_[node] >= 0) poses_[node].p = positions.middleRows<n>(n * unknown_[node]);
     return true;
+  }
+
+  /// A start may not stay open where the measurements say nothing (the height of a robot in the plane): as measured, by the least weight.
+  static Square whole(const Square& information) {
+    if (information.llt().info() == Eigen::Success) return information;
+    constexpr double kLeast = 1e-9;  // of the largest entry
+    return information + kLeast * std::max(information.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min()) * Square::Identity();
   }
 
   const PoseGraph<Pose>& graph_;

@@ -66,8 +66,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"information",
              Format::G2o,
              kG2oPoses,
-             "EDGE_SE2 0 1 1 0 0.1 1 0 0 1 0 0",
-             {"information matrix is not positive definite", "smallest eigenvalue is 0;"}},
+             "EDGE_SE2 0 1 1 0 0.1 1 0 0 1 0 -1",
+             {"information matrix is not positive semidefinite", "smallest eigenvalue is -1;", "all >= 0"}},
         Case{"matrix 2", Format::PyFG, kPoses, "EDGE_SE2_XY 1 A0 L0 1 0 -1 0 1", {"smallest eigenvalue is -1;"}},
         Case{"toro order", Format::Toro, "VERTEX2 0 0 0 0\n", "EDGE2 0 1 1 0 0 1 0 1 -3 0 0", {"smallest eigenvalue is -3;"}},
         Case{"matrix 6",
@@ -122,22 +122,22 @@ TEST(BadFiles, UndefinedSensorOffset) {
 
 TEST(BadFiles, MissingDirectoryEmpty) {
   const TemporaryDirectory directory;
-  expect_message<BadFile>([&] { read(directory / "none.g2o"); },
+  expect_message<BadFile>([&] { read_dataset(directory / "none.g2o"); },
                           {"cannot read", directory / "none.g2o", "No such file", "expected a readable"});
-  expect_message<BadFile>([&] { read(directory / ""); }, {"cannot read", "it is a directory"});
+  expect_message<BadFile>([&] { read_dataset(directory / ""); }, {"cannot read", "it is a directory"});
   put(directory / "empty.g2o", "");
-  expect_message<BadFile>([&] { read(directory / "empty.g2o"); }, {"empty.g2o", "empty (0 bytes)"});
+  expect_message<BadFile>([&] { read_dataset(directory / "empty.g2o"); }, {"empty.g2o", "empty (0 bytes)"});
   put(directory / "blank.g2o", "# nothing\n\n  \n");
-  expect_message<BadFile>([&] { read(directory / "blank.g2o"); }, {"blank.g2o", "no records, only blank lines and comments"});
+  expect_message<BadFile>([&] { read_dataset(directory / "blank.g2o"); }, {"blank.g2o", "no records, only blank lines and comments"});
   expect_message<BadFile>([&] { read_g2o(directory / "blank.g2o"); }, {"blank.g2o", "no vertex and no edge of g2o"});
   std::istringstream nothing;
-  expect_message<BadFile>([&] { parse(nothing, "stdin"); }, {"stdin", "empty"});
+  expect_message<BadFile>([&] { parse_dataset(nothing, "stdin"); }, {"stdin", "empty"});
 }
 
 TEST(BadFiles, NoDialect) {
   const auto recognised = [](const std::string& text) {
     std::istringstream in(text);
-    return parse(in, "file.g2o").format;
+    return parse_dataset(in, "file.g2o").format;
   };
   expect_message<BadFile>([&] { recognised("# x\nhello world\n"); }, {"file.g2o, line 2: 'hello world'", "expected such as VERTEX_SE2"});
   expect_message<BadFile>([&] { recognised("VERTEX_SE2 a b c d e\n"); }, {"file.g2o, line 1", "expected the columns of PyFG", "or of g2o"});
@@ -162,16 +162,16 @@ TEST(BadFiles, CutInTheMiddle) {
   const std::string whole = kPoses + "EDGE_SE2 1 A0 A1 1 0 0.1 1 0 0 1 0 1\n";
   for (std::size_t length = kPoses.size() + 10; length + 2 < whole.size(); ++length) {
     put(directory / "cut.pyfg", whole.substr(0, length));
-    expect_message<BadFile>([&] { read(directory / "cut.pyfg"); }, {"cut.pyfg, line 4: 'EDGE_SE2 1", "is the file cut?"});
+    expect_message<BadFile>([&] { read_dataset(directory / "cut.pyfg"); }, {"cut.pyfg, line 4: 'EDGE_SE2 1", "is the file cut?"});
   }
   for (std::size_t length = kPoses.size() + 1; length < kPoses.size() + 9; ++length) {  // inside the tag: not merely unknown
     put(directory / "cut.pyfg", whole.substr(0, length));
-    expect_message<BadFile>([&] { read(directory / "cut.pyfg"); }, {"cut.pyfg, line 4: 'E", "is the file cut?"});
+    expect_message<BadFile>([&] { read_dataset(directory / "cut.pyfg"); }, {"cut.pyfg, line 4: 'E", "is the file cut?"});
   }
   put(directory / "cut.pyfg", whole.substr(0, whole.size() - 1));
-  EXPECT_EQ(read(directory / "cut.pyfg").edges.size(), 1u);
+  EXPECT_EQ(read_dataset(directory / "cut.pyfg").edges.size(), 1u);
   put(directory / "cut.pyfg", kPoses + "EDGE_FOO");  // a whole tag that nobody knows is no cut
-  EXPECT_EQ(read(directory / "cut.pyfg").unknown.size(), 1u);
+  EXPECT_EQ(read_dataset(directory / "cut.pyfg").unknown.size(), 1u);
 }
 
 TEST(BadFiles, LongLineIsShownInPart) {
