@@ -55,6 +55,23 @@ struct MissingDistanceBall {
     return Vector<1>(inside ? 0 : (norm.value - omega.value) / sigma);
   }
 
+  /// Of ½ (n − Ω)²/σ², n = ‖p_b − p_a‖ and u its gradient: by x = p_b − p_a u uᵀ + (1 − Ω/n)(I − u uᵀ), mixed −u, by Ω 1, over σ²; 0
+  /// inside. Where the positions coincide and Ω < 0 the part of the positions is 0.
+  Matrix<Variables::total_dim, Variables::total_dim> hessian(const A& a, const B& b, const Scalar& omega) const {
+    constexpr int N = Variables::total_dim, positions = A::dim + B::dim;
+    Matrix<N, N> H = Matrix<N, N>::Zero();
+    const Vector<space_dim<A>> x = displacement(a, b);
+    const auto norm = safe_norm(x);
+    if (norm.value <= omega.value) return H;
+    Jacobians<MissingDistanceBall> J;
+    set_displacement_jacobian(norm.gradient.transpose(), J);
+    if (norm.value > 0) H.template topLeftCorner<positions, positions>() = displacement_hessian<A, B>(ball_hessian(x, omega.value));
+    H.template topRightCorner<positions, 1>() = -J.all.template leftCols<positions>().transpose();
+    H.template bottomLeftCorner<1, positions>() = -J.all.template leftCols<positions>();
+    H(N - 1, N - 1) = 1;
+    return H / (sigma * sigma);
+  }
+
   void validate() const { require_positive("MissingDistanceBall.sigma", sigma); }
 };
 
@@ -76,6 +93,10 @@ struct MissingDistance {
     const Vector<residual_dim> r = ball(a, b, &of_ball);
     J->all = of_ball.all;
     return r;
+  }
+
+  Matrix<Variables::total_dim, Variables::total_dim> hessian(const A& a, const B& b) const {
+    return RangeBall<A, B>{d_prev, std::hypot(sigma, rho)}.hessian(a, b);
   }
 
   /// The eliminated Ω: the most probable distance, given the positions [m].

@@ -1,7 +1,10 @@
 // A measured distance between two positions:   r = (‖p_a − p_b‖ − distance) / sigma          (paper C, eq. 2)
 //
 // A and B: anything with a position. Where both positions coincide (below kZeroDistance) the residual is its value at 0 and the
-// Jacobian is zero.
+// Jacobian is zero, and so is the Hessian.
+//
+// hessian(): by x = p_b − p_a it is ((1 − d/n) I + (d/n) u uᵀ)/σ², n = ‖x‖, u = x/n, d the distance. It is exact, and INDEFINITE where the
+// positions are nearer than measured (n < d): the cost is not convex there.
 #pragma once
 
 #include <holdfast/factors/range_ball.hpp>
@@ -23,6 +26,12 @@ struct Range {
     const auto norm = safe_norm(displacement(a, b));
     if (J != nullptr) set_displacement_jacobian(norm.gradient.transpose() / sigma, *J);
     return Vector<1>((norm.value - distance) / sigma);
+  }
+
+  Matrix<Variables::total_dim, Variables::total_dim> hessian(const A& a, const B& b) const {
+    const Vector<space_dim<A>> x = displacement(a, b);
+    if (safe_norm(x).value == 0) return Matrix<Variables::total_dim, Variables::total_dim>::Zero();
+    return displacement_hessian<A, B>(ball_hessian(x, distance) / (sigma * sigma));
   }
 
   RangeBall<A, B> relaxed() const { return {distance, sigma}; }

@@ -4,6 +4,9 @@
 // distance to the ball. As a vector, r has the curvature across the range that its length alone has not: with one component instead, JᵀJ
 // leaves a swarm free to turn about its anchors, and second-order back-ends stop far above the minimum. Components are along the axes of
 // the world: give it block losses. A and B: anything with a position. Inside the ball residual and Jacobian are zero.
+//
+// hessian(): by x it is ((1 − d/n) I + (d/n) u uᵀ)/σ² outside, with n = ‖x‖, u = x/n and d the distance, and 0 inside. JᵀJ has (1 − d/n)²
+// in place of (1 − d/n): near the ball it sees almost nothing of what lies across the range.
 #pragma once
 
 #include <holdfast/factors/detail/displacement.hpp>
@@ -36,6 +39,12 @@ struct RangeBall {
       set_displacement_jacobian((outside * Square::Identity() + (1 - outside) * norm.gradient * norm.gradient.transpose()) / sigma, *J);
     }
     return outside / sigma * x;
+  }
+
+  Matrix<Variables::total_dim, Variables::total_dim> hessian(const A& a, const B& b) const {
+    const Vector<residual_dim> x = displacement(a, b);
+    if (safe_norm(x).value <= distance) return Matrix<Variables::total_dim, Variables::total_dim>::Zero();
+    return displacement_hessian<A, B>(ball_hessian(x, distance) / (sigma * sigma));
   }
 
   Vector<residual_dim> raw(const Vector<residual_dim>& r) const { return sigma * r; }  ///< [m]

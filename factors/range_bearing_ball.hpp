@@ -8,6 +8,8 @@
 //   2c = ‖m‖² + κ (1 − ‖y‖²/d²),       hence   r = g m,   g² = 1 + κ (1 − ‖y‖²/d²)/‖m‖²,   has ½‖r‖² = c.
 //   ‖v‖ > d:  y = d v/‖v‖, g = 1.   This is where the optimum is: v = (d + α) u there.
 //   ‖v‖ ≤ d:  y = v, x − y = −α u, so ‖m‖ ≥ α/σ > 0 and g ≥ 1: the root never comes near zero. g = 1 on the border.
+// Hessian of c: y is where the minimum is attained, so that dc/dx = (x − y)/σ² and d²c/dx² = (1 − dy/dx)/σ², which is
+//   ((1 − d/n) I + (d/n) w wᵀ)/σ² with n = ‖v‖, w = v/n outside (‖v‖ > d), and 0 inside: c is linear there.
 // So r is continuous, and smooth on either side of the border; no distance is singular, not even zero.
 #pragma once
 
@@ -61,6 +63,12 @@ struct RangeBearingBall {
       set_displacement_jacobian(D, *J);
     }
     return g * r;
+  }
+
+  Matrix<Variables::total_dim, Variables::total_dim> hessian(const A& a, const B& b) const {
+    const Direction v = displacement(a, b) + (sigma * sigma * kappa / distance) * direction;
+    if (v.norm() <= distance) return Matrix<Variables::total_dim, Variables::total_dim>::Zero();
+    return displacement_hessian<A, B>(ball_hessian(v, distance) / (sigma * sigma));
   }
 
   void validate() const {

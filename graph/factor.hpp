@@ -21,6 +21,11 @@
 //   const Pose2& relative_pose() const;                     // the second variable in the frame of the first, as measured; its noise in a
 //                                                           // member sqrt_information (chordal_start)
 //   auto merged(int m) const;                               // one factor for m empty steps (Window)
+//   Matrix<N, N> hessian(const V&... x) const;              // of ½‖r‖², by the tangents side by side (N = Variables::total_dim), exact
+//   where
+//                                                           // JᵀJ is a poor model of it. Of a convex factor it is positive semidefinite
+//                                                           (at a
+//                                                           // kink one of many); others may be indefinite, and say so
 //   Residual raw(const Residual& r) const;                  // the residual r in the measurement's own units (outlier_report)
 #pragma once
 
@@ -98,6 +103,11 @@ template <class F, class = void>
 struct HasRelaxed : std::false_type {};
 template <class F>
 struct HasRelaxed<F, std::void_t<decltype(std::declval<const F&>().relaxed())>> : std::true_type {};
+template <class F, class Variables = typename F::Variables, class = void>
+struct HasHessian : std::false_type {};
+template <class F, class... V>
+struct HasHessian<F, variables<V...>, std::void_t<decltype(std::declval<const F&>().hessian(std::declval<const V&>()...))>>
+    : std::true_type {};
 template <class F, class = void>
 struct HasRelativePose : std::false_type {};
 template <class F>

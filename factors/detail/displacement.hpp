@@ -36,4 +36,21 @@ void set_displacement_jacobian(const Eigen::MatrixBase<Derived>& D, Jacobians<F>
   J.template wrt<1>().noalias() = d * B::position_jacobian();
 }
 
+/// The Hessian by x of ½ (‖x‖ − radius)²: (1 − radius/n) I + (radius/n) u uᵀ with n = ‖x‖ and u = x/n. Outside the ball of this radius it
+/// is positive definite, and also that of ½ times the squared distance to the ball.
+template <int N>
+Matrix<N, N> ball_hessian(const Vector<N>& x, double radius) {
+  const double n = x.norm();
+  const Vector<N> u = x / n;
+  return (1 - radius / n) * Matrix<N, N>::Identity() + radius / n * u * u.transpose();
+}
+
+/// D = d² f / d x², x = p_b − p_a, carried to the tangents of a and b. Exact: positions are linear in their tangents.
+template <class A, class B>
+Matrix<A::dim + B::dim, A::dim + B::dim> displacement_hessian(const Matrix<space_dim<A>, space_dim<A>>& D) {
+  Matrix<space_dim<A>, A::dim + B::dim> C;
+  C << -A::position_jacobian(), B::position_jacobian();
+  return C.transpose() * D * C;
+}
+
 }  // namespace holdfast
