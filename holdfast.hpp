@@ -12,8 +12,10 @@
 #include <holdfast/factors/relative_point.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
 #include <holdfast/graph/check.hpp>
+#include <holdfast/graph/draw.hpp>
 #include <holdfast/graph/files/files.hpp>
 #include <holdfast/graph/graph.hpp>
+#include <holdfast/graph/print.hpp>
 #include <holdfast/graph/variables.hpp>
 #include <holdfast/solvers/marginals.hpp>
 #include <holdfast/solvers/outlier_report.hpp>

@@ -45,7 +45,7 @@ Values true_beacons(const std::string& path) {
 bool is_rawlog(const std::string& path) { return fs::path(path).extension() == ".rawlog"; }
 
 Dataset read_any(const std::string& path) {
-  if (!is_rawlog(path)) return read(path);
+  if (!is_rawlog(path)) return read_dataset(path);
 #ifdef HOLDFAST_WITH_MRPT
   return located_by_ranges(read_rawlog(path));
 #else
@@ -59,7 +59,7 @@ Values truth_of(const Dataset& dataset, const std::string& path) {
   const std::string stem = fs::path(path).replace_extension().string();
   if (is_rawlog(path)) return true_beacons(stem + "_ground_truth.txt");
   const std::string beside = stem + "_groundtruth" + fs::path(path).extension().string();
-  return fs::is_regular_file(beside) ? true_poses(read(beside)) : Values();
+  return fs::is_regular_file(beside) ? true_poses(read_dataset(beside)) : Values();
 }
 
 }  // namespace

@@ -2,11 +2,15 @@
 //
 // The units are those of the variable's tangent (translation in the world frame [m], then rotation in the body frame [rad]).
 // For Pose3 the rotation part is Log(R_meanᵀ R), the full angle; its Jacobian is J_r⁻¹ (Solà et al., "A micro Lie theory", 144).
+// A variable type of your own: its local_jacobian(), or, without one, dual numbers (graph/manifold.hpp).
+// An information may be semidefinite (whitening.hpp): a GPS position is a prior on a pose that says nothing of the rotation.
 #pragma once
 
+#include <holdfast/factors/detail/body_frame.hpp>
 #include <holdfast/factors/detail/vector_space.hpp>
 #include <holdfast/factors/whitening.hpp>
 #include <holdfast/graph/batch.hpp>
+#include <holdfast/graph/detail/local_jacobian.hpp>
 #include <holdfast/graph/variables.hpp>
 
 namespace holdfast {
@@ -31,12 +35,12 @@ struct Prior {
   }
 
   Vector<V::dim> operator()(const V& x, Jacobians<Prior>* J = nullptr) const {
-    static_assert(is_vector_space<V> || std::is_same_v<V, Pose2> || std::is_same_v<V, Pose3>,
-                  "the Jacobian of local() is not known for this type; write the prior as an AutoDiff factor");
     const Vector<V::dim> error = mean.local(x);
     if (J != nullptr) {
       J->all = sqrt_information;
-      if constexpr (std::is_same_v<V, Pose3>)
+      if constexpr (!is_vector_space<V> && !is_pose<V>)
+        J->all = sqrt_information * local_jacobian(mean, x);
+      else if constexpr (std::is_same_v<V, Pose3>)
         J->all.template rightCols<3>() = sqrt_information.template rightCols<3>() * so3::right_jacobian_inverse(error.template tail<3>());
     }
     return sqrt_information * error;

@@ -100,7 +100,7 @@ class Doctor {
     return false;
   }
 
-  static std::string agents_of(const Component& component, const Resolved& resolved) {
+  static std::string agents_of(const GraphComponent& component, const Resolved& resolved) {
     constexpr std::size_t kMostNamed = 8;
     std::map<Agent, std::pair<int, Key>> agents;
     for (int v : component.variables) {
@@ -120,8 +120,8 @@ class Doctor {
   }
 
   void check_observability(const Resolved& resolved) {
-    const std::vector<Component> components = observability(graph_, resolved, values_);
-    for (const Component& component : components) {
+    const std::vector<GraphComponent> components = observability(graph_, resolved, values_);
+    for (const GraphComponent& component : components) {
       const Key first = resolved.variables()[component.variables.front()].key;
       const std::string who = std::to_string(component.variables.size()) + " variables (" + agents_of(component, resolved) + ")";
       if (components.size() > 1)
@@ -131,15 +131,15 @@ class Doctor {
       report_directions(component);
     }
   }
-  void report_gauge(const Component& component, const std::string& who, Key first) {
+  void report_gauge(const GraphComponent& component, const std::string& who, Key first) {
     if (component.gauge.empty()) return;
     std::ostringstream motions;
     for (const std::string& motion : component.gauge) motions << (motions.tellp() > 0 ? ", " : "") << motion;
     add_text(Kind::free_gauge, Severity::error, {first}, who, " can move together at no cost (", motions.str(), "); add a prior on ", first,
              " or fix it");
   }
-  void report_directions(const Component& component) {
-    for (const Component::Direction& d : component.directions)
+  void report_directions(const GraphComponent& component) {
+    for (const GraphComponent::Direction& d : component.directions)
       add_text(Kind::unconstrained_direction, d.only_here ? Severity::warning : Severity::error, {d.key}, d.key, ": tangent direction ",
                d.component, " is not constrained by any factor",
                d.others > 0 ? " (" + std::to_string(d.others) + " more variables move with it)" : "",

@@ -168,6 +168,34 @@ Graph Graph::relaxed() const {
   return convex;
 }
 
+Eigen::VectorXd Graph::residual(FactorId id, const Values& values) const {
+  const Place& place = checked(id);
+  const FactorBatch& batch = *batches_[place.batch];
+  std::vector<const double*> x;
+  for (int k = 0; k < batch.arity(); ++k) {
+    const Key key = batch.keys(place.index)[k];
+    const Values::Slot& slot = values.slot(key);
+    const PoolBase& pool = values.pool(slot.pool);
+    if (pool.type() != batch.types()[k])
+      fail<BadType>("factor ", batch.describe(place.index), ": key ", key, " is a ", pool.type_name(),
+                    " in the values, but the factor needs a ", batch.type_names()[k], "; insert it as one");
+    x.push_back(pool.data(slot.index));
+  }
+  Eigen::VectorXd r(batch.residual_dim());
+  batch.evaluate_at(place.index, x.data(), r.data(), nullptr);
+  return r;
+}
+
+std::vector<FactorId> Graph::factors_on(Key key) const {
+  std::vector<FactorId> ids;
+  for (std::size_t b = 0; b < batches_.size(); ++b)
+    for (int i = 0; i < batches_[b]->size(); ++i) {
+      const Key* keys = batches_[b]->keys(i);
+      if (std::find(keys, keys + batches_[b]->arity(), key) != keys + batches_[b]->arity()) ids.push_back(id_of(static_cast<int>(b), i));
+    }
+  return ids;
+}
+
 double Graph::cost(const Values& values) const { return Resolved(*this, values).cost(*this, values); }
 
 }  // namespace holdfast

@@ -1,8 +1,13 @@
 // The graph: factors on keys. cost(x) = Σ w_i ½ρ_i(s_i) over its factors (conventions, "Cost"), the one number that scores the
 // answer of every back-end.
+//
+// References. What at() returns and batches() are valid until a factor is added or removed; a FactorId until its factor is removed.
+// Threads. Any number may call const members at once, and solve the same graph from values of their own; a non-const member needs the graph
+// for itself. No state is shared between graphs.
 #pragma once
 
 #include <holdfast/graph/detail/factor_type.hpp>
+#include <holdfast/graph/keys.hpp>
 #include <holdfast/graph/linear_prior.hpp>
 #include <optional>
 #include <unordered_set>
@@ -24,7 +29,7 @@ class Graph {
   Graph& operator=(Graph&& other) noexcept;
 
   template <class F>
-  using Keys = std::array<Key, F::Variables::size>;
+  using Keys = FactorKeys<F::Variables::size>;
 
   /// Adds a factor with its own default loss and weight. Throws BadNumber (from the factor's validate()), BadKey where a key occurs twice.
   template <class F>
@@ -85,6 +90,10 @@ class Graph {
 
   /// Σ w ½ρ at these values. Throws BadKey, BadType.
   double cost(const Values& values) const;
+  /// The whitened residual of one factor, without loss and weight: ‖r‖² is its s. Throws BadKey, BadType.
+  Eigen::VectorXd residual(FactorId id, const Values& values) const;
+  /// The factors that tie this variable, in the order of batches(); empty where there is none. Looks at every factor.
+  std::vector<FactorId> factors_on(Key key) const;
 
   std::size_t size() const { return places_.size() - free_.size(); }
   const std::vector<std::unique_ptr<FactorBatch>>& batches() const { return batches_; }

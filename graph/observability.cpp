@@ -69,7 +69,7 @@ Scaled scaled_hessian(const Graph& graph, const Resolved& resolved, const Values
   return scaled;
 }
 
-std::vector<Component> find_components(const Graph& graph, const Resolved& resolved) {
+std::vector<GraphComponent> find_components(const Graph& graph, const Resolved& resolved) {
   detail::UnionFind tied(static_cast<int>(resolved.variables().size()));
   for (std::size_t b = 0; b < graph.batches().size(); ++b) {
     const int arity = graph.batches()[b]->arity();
@@ -82,7 +82,7 @@ std::vector<Component> find_components(const Graph& graph, const Resolved& resol
       }
   }
   std::vector<int> number(resolved.variables().size(), -1);
-  std::vector<Component> components;
+  std::vector<GraphComponent> components;
   for (std::size_t v = 0; v < number.size(); ++v) {
     if (resolved.variables()[v].offset < 0) continue;
     int& n = number[tied.root(static_cast<int>(v))];
@@ -115,7 +115,7 @@ std::vector<VectorXd> null_vectors(const Sparse& H, std::size_t most) {
 }
 
 // Unit rigid motions (scaled tangent) of a component about its own centre: translations, then rotations.
-MatrixXd rigid_motions(const Component& component, const Resolved& resolved, const Values& values, const Scaled& scaled, int space) {
+MatrixXd rigid_motions(const GraphComponent& component, const Resolved& resolved, const Values& values, const Scaled& scaled, int space) {
   VectorXd centre = VectorXd::Zero(space), p(space);
   int count = 0;
   for (int v : component.variables) {
@@ -163,7 +163,7 @@ int most_alike(const VectorXd& likeness, const std::vector<bool>& taken) {
 }
 
 // Names the free rigid motions of a component; returns an orthonormal basis of them.
-MatrixXd find_gauge(Component& component, const Resolved& resolved, const Values& values, const Scaled& scaled) {
+MatrixXd find_gauge(GraphComponent& component, const Resolved& resolved, const Values& values, const Scaled& scaled) {
   static const char* const names2[] = {"translation x", "translation y", "rotation"};
   static const char* const names3[] = {"translation x", "translation y", "translation z", "rotation x", "rotation y", "rotation z"};
   MatrixXd basis(resolved.tangent_dim(), 0);
@@ -190,8 +190,8 @@ MatrixXd find_gauge(Component& component, const Resolved& resolved, const Values
   return basis;
 }
 
-Component::Direction describe(const VectorXd& x, const Component& component, const Resolved& resolved, const Scaled& scaled) {
-  Component::Direction direction{};
+GraphComponent::Direction describe(const VectorXd& x, const GraphComponent& component, const Resolved& resolved, const Scaled& scaled) {
+  GraphComponent::Direction direction{};
   double most = -1;
   for (int v : component.variables) {
     const Resolved::Variable& variable = resolved.variables()[v];
@@ -210,8 +210,8 @@ Component::Direction describe(const VectorXd& x, const Component& component, con
 
 }  // namespace
 
-std::vector<Component> observability(const Graph& graph, const Resolved& resolved, const Values& values) {
-  std::vector<Component> components = find_components(graph, resolved);
+std::vector<GraphComponent> observability(const Graph& graph, const Resolved& resolved, const Values& values) {
+  std::vector<GraphComponent> components = find_components(graph, resolved);
   const Scaled scaled = scaled_hessian(graph, resolved, values);
   const std::vector<VectorXd> null = null_vectors(scaled.H, 10 * kMostListed);
   if (null.empty()) return components;

@@ -19,7 +19,7 @@ inline constexpr double kSuspectPivot = 1e-8;
 }  // namespace detail
 
 /// A set of variables that factors tie together, directly or not.
-struct Component {
+struct GraphComponent {
   std::vector<int> variables;      ///< numbers in Resolved::variables; free ones only
   std::vector<std::string> gauge;  ///< rigid motions of the whole component that cost nothing: "translation x", "rotation z", …
   struct Direction {
@@ -33,6 +33,6 @@ struct Component {
 };
 
 /// Components of the graph on its free variables, each with its free directions; losses are left out (every term counts as squared).
-std::vector<Component> observability(const Graph& graph, const Resolved& resolved, const Values& values);
+std::vector<GraphComponent> observability(const Graph& graph, const Resolved& resolved, const Values& values);
 
 }  // namespace holdfast

@@ -1,4 +1,8 @@
 // Values: the variables of a graph by key. Each type lives in its own contiguous pool.
+//
+// References. What at() returns, data() and a Slot are valid until a variable of the same type is inserted or erased, or the values are
+// assigned to or moved from; a solver writes to the variables where they are. update() and at() = … invalidate nothing.
+// Threads. Any number may call const members at once; a non-const member needs the values for itself. No state is shared between Values.
 #pragma once
 
 #include <cstring>
@@ -34,6 +38,7 @@ class PoolBase {
   virtual void local_ambient(const double* from, const double* to, double* delta) const = 0;
   virtual void local_jacobian_ambient(const double* from, const double* to, double* J) const = 0;  ///< d local(to ⊕ δ) / dδ, column-major
   virtual bool is_finite(int i) const = 0;
+  virtual void print(int i, std::ostream& out) const = 0;
   virtual double* data(int i) = 0;  ///< the ambient coordinates
   const double* data(int i) const { return const_cast<PoolBase*>(this)->data(i); }
   virtual void position(int i, double* p) const = 0;
@@ -81,6 +86,7 @@ class Pool final : public PoolBase {
     Eigen::Map<Matrix<V::dim, V::dim>>(J, V::dim, V::dim) = local_jacobian(from_ambient(from), from_ambient(to));
   }
   bool is_finite(int i) const override { return values_[i].is_finite(); }
+  void print(int i, std::ostream& out) const override { detail::print_variable(out, values_[i]); }
   double* data(int i) override { return reinterpret_cast<double*>(&values_[i]); }
   void position(int i, double* p) const override {
     if constexpr (space_dim < V >> 0) Eigen::Map<Vector<space_dim<V>>>(p, space_dim<V>) = values_[i].position();
@@ -211,6 +217,13 @@ class Values {
   bool contains(Key key) const {
     const auto it = slots_.find(key);
     return it != slots_.end() && pools_[it->second.pool]->type() == typeid(V);
+  }
+  /// fn(Key, const V&) for every variable of type V, in the order they are kept in.
+  template <class V, class Fn>
+  void for_each(Fn&& fn) const {
+    for (const auto& pool : pools_)
+      if (pool->type() == typeid(V))
+        for (int i = 0; i < pool->size(); ++i) fn(pool->keys()[i], static_cast<const Pool<V>&>(*pool).values_[i]);
   }
   std::size_t size() const { return slots_.size(); }
   std::vector<Key> keys() const;  ///< sorted

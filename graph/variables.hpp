@@ -4,3 +4,4 @@
 #include <holdfast/graph/variables/kinematic.hpp>
 #include <holdfast/graph/variables/pose2.hpp>
 #include <holdfast/graph/variables/pose3.hpp>
+#include <holdfast/graph/variables/print.hpp>

@@ -1,6 +1,9 @@
 // The one interface of all back-ends. solvers/table.hpp makes one by its name.
 //
 //   Summary s = backend->solve(graph, values);        // values: start in, answer out; unchanged when the solve fails
+//
+// Threads. A back-end keeps its memory for the next solve: one thread at a time may use it, and different threads different back-ends, even
+// on the same graph. register_backend() is called before threads start.
 #pragma once
 
 #include <holdfast/graph/graph.hpp>

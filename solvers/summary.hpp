@@ -2,6 +2,7 @@
 #pragma once
 
 #include <holdfast/solvers/options.hpp>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -30,5 +31,7 @@ struct Summary {
   std::string why() const { return culprit.empty() ? rule : rule + (": " + culprit); }
   std::string str() const;
 };
+
+inline std::ostream& operator<<(std::ostream& out, const Summary& summary) { return out << summary.str(); }
 
 }  // namespace holdfast

@@ -96,7 +96,7 @@ Graph renamed_graph(const Graph& graph) {
     using F = typename decltype(tag)::type;
     graph.for_each_batch<F>([&](const Batch<F>& batch) {
       for (int i = batch.size() - 1; i >= 0; --i) {
-        typename Graph::Keys<F> keys;
+        std::array<Key, F::Variables::size> keys;
         for (int k = 0; k < batch.arity(); ++k) keys[k] = renamed(batch.keys(i)[k]);
         out.add(batch.factors()[i], keys, batch.loss(), batch.weight(i));
       }

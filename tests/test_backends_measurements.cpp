@@ -22,7 +22,7 @@ bool is_double<WhiteAcceleration<Motion2>>(std::size_t i) {
 }
 template <class F>
 typename Graph::Keys<F> some_keys() {
-  typename Graph::Keys<F> keys;
+  std::array<Key, F::Variables::size> keys;
   for (std::size_t k = 0; k < keys.size(); ++k) keys[k] = Key(static_cast<char>('P' + k), 3);
   return keys;
 }

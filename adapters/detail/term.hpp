@@ -51,14 +51,14 @@ class Term {
   }
   template <class F>
   static void add_again(const FactorBatch& batch, Graph& graph, const std::vector<Key>& keys) {
-    Graph::Keys<F> all;
+    std::array<Key, F::Variables::size> all;
     std::copy_n(keys.begin(), all.size(), all.begin());
     graph.add(static_cast<const Batch<F>&>(batch).factors().front(), all, batch.loss(), batch.weight(0));
   }
   /// The host has its own names; ours count the variables of the factor: x0, x1, …
   template <class F>
   static Graph::Keys<F> numbered() {
-    Graph::Keys<F> keys;
+    std::array<Key, F::Variables::size> keys;
     for (std::size_t k = 0; k < keys.size(); ++k) keys[k] = Key('x', k);
     return keys;
   }

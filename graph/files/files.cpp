@@ -32,7 +32,7 @@ Dataset parse_text(std::string_view text, const std::string& name, Format format
   });
   Dataset dataset = parser.finish();
   if (dataset.vertices.empty() && dataset.edges.empty())
-    fail<BadFile>("cannot read ", name, ": it holds no vertex and no edge of ", holdfast::name(format));
+    fail<BadFile>("cannot read ", name, ": it holds no vertex and no edge of ", to_string(format));
   return dataset;
 }
 
@@ -45,19 +45,19 @@ std::string all_of(std::istream& in, const std::string& name) {
 
 }  // namespace
 
-Dataset read(const std::string& path) {
+Dataset read_dataset(const std::string& path) {
   const std::string text = io::read_file(path);
   return parse_text(text, path, io::recognise(text, path));
 }
 
-Dataset read(const std::string& path, Format format) { return parse_text(io::read_file(path), path, format); }
+Dataset read_dataset(const std::string& path, Format format) { return parse_text(io::read_file(path), path, format); }
 
-Dataset parse(std::istream& in, const std::string& name) {
+Dataset parse_dataset(std::istream& in, const std::string& name) {
   const std::string text = all_of(in, name);
   return parse_text(text, name, io::recognise(text, name));
 }
 
-Dataset parse(std::istream& in, const std::string& name, Format format) { return parse_text(all_of(in, name), name, format); }
+Dataset parse_dataset(std::istream& in, const std::string& name, Format format) { return parse_text(all_of(in, name), name, format); }
 
 void write_dataset(const std::string& path, const Dataset& dataset, Format format) { atomic_write(path, to_text(dataset, format)); }
 

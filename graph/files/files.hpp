@@ -1,6 +1,6 @@
 // Files in and out.
 //
-//   Dataset data = read("plaza2.pyfg");                 // PyFG, g2o or TORO: by its content, never by its name
+//   Dataset data = read_dataset("plaza2.pyfg");                 // PyFG, g2o or TORO: by its content, never by its name
 //   write_g2o("out.g2o", data);
 //
 // Numbers are those of the C locale whatever the program's locale is. Line ends LF or CRLF, columns parted by any blanks; blank lines
@@ -17,18 +17,18 @@
 namespace holdfast {
 
 /// The dialect is that of the first line that has one; a later line of another dialect is an error. A file without any is an error.
-Dataset read(const std::string& path);
-Dataset read(const std::string& path, Format format);
-inline Dataset read_pyfg(const std::string& path) { return read(path, Format::PyFG); }
-inline Dataset read_g2o(const std::string& path) { return read(path, Format::G2o); }
-inline Dataset read_toro(const std::string& path) { return read(path, Format::Toro); }
+Dataset read_dataset(const std::string& path);
+Dataset read_dataset(const std::string& path, Format format);
+inline Dataset read_pyfg(const std::string& path) { return read_dataset(path, Format::PyFG); }
+inline Dataset read_g2o(const std::string& path) { return read_dataset(path, Format::G2o); }
+inline Dataset read_toro(const std::string& path) { return read_dataset(path, Format::Toro); }
 
 /// The same from a stream, up to its end; `name` stands for the file in messages.
-Dataset parse(std::istream& in, const std::string& name);
-Dataset parse(std::istream& in, const std::string& name, Format format);
-inline Dataset parse_pyfg(std::istream& in, const std::string& name) { return parse(in, name, Format::PyFG); }
-inline Dataset parse_g2o(std::istream& in, const std::string& name) { return parse(in, name, Format::G2o); }
-inline Dataset parse_toro(std::istream& in, const std::string& name) { return parse(in, name, Format::Toro); }
+Dataset parse_dataset(std::istream& in, const std::string& name);
+Dataset parse_dataset(std::istream& in, const std::string& name, Format format);
+inline Dataset parse_pyfg(std::istream& in, const std::string& name) { return parse_dataset(in, name, Format::PyFG); }
+inline Dataset parse_g2o(std::istream& in, const std::string& name) { return parse_dataset(in, name, Format::G2o); }
+inline Dataset parse_toro(std::istream& in, const std::string& name) { return parse_dataset(in, name, Format::Toro); }
 
 /// The text of a file: sensor offsets, vertices, fixed variables, edges, unknown lines, each in the order of the dataset (comments
 /// are gone). Every number reads back bit by bit. Noise of another format is converted (dataset.hpp). BadFile naming the record

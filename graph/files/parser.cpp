@@ -94,7 +94,7 @@ void LineParser::check_foreign() const {
   const RecordType* foreign = io::find_record(*format, line_.tag());
   const bool ours = io::find_record(dataset_.format, line_.tag()) != nullptr;
   if (ours && foreign->columns != line_.size()) return;
-  line_.error("this is a line of ", name(*format), " (", foreign->layout, "); expected ", name(dataset_.format),
+  line_.error("this is a line of ", to_string(*format), " (", foreign->layout, "); expected ", to_string(dataset_.format),
               ", and one dialect in a file");
 }
 

@@ -51,6 +51,12 @@ struct Kinematic {
     return d;
   }
   Position position() const { return derivative(0); }
+  const T& x() const { return value[0]; }      ///< p_world [m]
+  const T& y() const { return value[Order]; }  ///< p_world [m]
+  const T& z() const {                         ///< p_world [m]
+    static_assert(Axes == 3, "a point in the plane has no z");
+    return value[2 * Order];
+  }
   static Matrix<Axes, dim> position_jacobian() {
     Matrix<Axes, dim> C = Matrix<Axes, dim>::Zero();
     for (int axis = 0; axis < Axes; ++axis) C(axis, axis * Order) = 1;

@@ -2,7 +2,7 @@
 // needs no sine. Tangent [δp_world (m), δθ (rad)].
 #pragma once
 
-#include <holdfast/graph/manifold.hpp>
+#include <holdfast/graph/variables/kinematic.hpp>
 
 namespace holdfast {
 
@@ -49,6 +49,13 @@ struct Pose2T {
   }
   /// T_world_body · T_body_other.
   Pose2T operator*(const Pose2T& other) const { return {(p + to_world(other.p)).eval(), to_world(other.heading)}; }
+  /// A point of the body frame in the world frame: p + R v.
+  VectorT<T, 2> operator*(const VectorT<T, 2>& v) const { return p + to_world(v); }
+  template <int Axes>
+  Kinematic<T, Axes, 1> operator*(const Kinematic<T, Axes, 1>& point) const {
+    static_assert(Axes == 2, "a pose in the plane moves points of the plane");
+    return Kinematic<T, Axes, 1>(p + to_world(point.value));
+  }
   Pose2T inverse() const { return {(-to_body(p)).eval(), VectorT<T, 2>(heading[0], -heading[1])}; }
 
   Pose2T retract(const Tangent& delta) const {

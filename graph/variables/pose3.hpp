@@ -2,6 +2,7 @@
 #pragma once
 
 #include <holdfast/graph/manifold.hpp>
+#include <holdfast/graph/variables/kinematic.hpp>
 #include <holdfast/graph/variables/so3.hpp>
 
 namespace holdfast {
@@ -21,6 +22,13 @@ struct Pose3T {
   Pose3T() = default;
   Pose3T(const VectorT<T, 3>& position, const Rotation& rotation) : p(position), q(rotation) {}
 
+  /// R = R_z(yaw) R_y(pitch) R_x(roll) [rad]: turned about the world's x axis first, then y, then z.
+  static Pose3T from_roll_pitch_yaw(const VectorT<T, 3>& position, T roll, T pitch, T yaw) {
+    return {position, so3::from_roll_pitch_yaw<T>({roll, pitch, yaw})};
+  }
+  /// (roll, pitch, yaw) [rad] with pitch in [−π/2, π/2]. At pitch ±π/2 roll and yaw turn about the same axis: only together are they right.
+  VectorT<T, 3> roll_pitch_yaw() const { return so3::roll_pitch_yaw<T>(rotation()); }
+
   static const char* name() { return "Pose3"; }
   template <class U>
   rebind<U> cast() const {
@@ -32,6 +40,13 @@ struct Pose3T {
   VectorT<T, 3> to_body(const VectorT<T, 3>& v) const { return q.conjugate() * v; }
   /// T_world_body · T_body_other.
   Pose3T operator*(const Pose3T& other) const { return {(p + to_world(other.p)).eval(), q * other.q}; }
+  /// A point of the body frame in the world frame: p + R v.
+  VectorT<T, 3> operator*(const VectorT<T, 3>& v) const { return p + to_world(v); }
+  template <int Axes>
+  Kinematic<T, Axes, 1> operator*(const Kinematic<T, Axes, 1>& point) const {
+    static_assert(Axes == 3, "a pose in space moves points in space");
+    return Kinematic<T, Axes, 1>(p + to_world(point.value));
+  }
   Pose3T inverse() const { return {(-to_body(p)).eval(), q.conjugate()}; }
 
   Pose3T retract(const Tangent& delta) const {

@@ -45,6 +45,22 @@ VectorT<T, 3> log(const Quaternion<T>& q) {
   return v * (T(2) * atan2(n, w) / n);
 }
 
+/// R_z(yaw) R_y(pitch) R_x(roll) from (roll, pitch, yaw) [rad].
+template <class T>
+Quaternion<T> from_roll_pitch_yaw(const VectorT<T, 3>& angles) {
+  const auto turn = [&](int axis) { return exp<T>((angles[axis] * VectorT<T, 3>::Unit(axis)).eval()); };
+  return (turn(2) * turn(1) * turn(0)).normalized();
+}
+
+/// (roll, pitch, yaw) [rad] of a rotation matrix, pitch in [−π/2, π/2].
+template <class T>
+VectorT<T, 3> roll_pitch_yaw(const MatrixT<T, 3, 3>& R) {
+  using std::atan2;
+  using std::sqrt;
+  const T cosine = sqrt(R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0));
+  return {atan2(R(2, 1), R(2, 2)), atan2(-R(2, 0), cosine), atan2(R(1, 0), R(0, 0))};
+}
+
 /// J_r^{-1}(φ): Log(Exp(φ) Exp(δ)) = φ + J_r^{-1}(φ) δ + O(δ²).
 inline Matrix<3, 3> right_jacobian_inverse(const Vector<3>& phi) {
   const double theta2 = phi.squaredNorm();

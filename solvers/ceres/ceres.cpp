@@ -1,5 +1,4 @@
 #include <ceres/ceres.h>
-#include <glog/logging.h>
 
 #include <cmath>
 #include <holdfast/solvers/ceres/ceres.hpp>
@@ -94,18 +93,6 @@ class Callback final : public ceres::IterationCallback {
   Progress& progress_;
 };
 
-// Ceres warns on the log of every matrix that is not positive definite; for us that is part of finding the first trust region.
-class QuietLog {
- public:
-  QuietLog() : before_(FLAGS_minloglevel) { FLAGS_minloglevel = std::max(before_, static_cast<int>(google::GLOG_ERROR)); }
-  ~QuietLog() { FLAGS_minloglevel = before_; }
-  QuietLog(const QuietLog&) = delete;
-  QuietLog& operator=(const QuietLog&) = delete;
-
- private:
-  int before_;
-};
-
 class CeresBackend final : public ForeignBackend {
  public:
   CeresBackend(const CeresVariant& variant, const Options& chosen) : ForeignBackend(variant.name, chosen), variant_(variant) {}
@@ -197,10 +184,7 @@ void CeresBackend::optimize(const Graph& graph, const Resolved& resolved, Values
   progress.watch.lap(progress.summary.seconds_setup);
 
   ceres::Solver::Summary outcome;
-  {
-    const QuietLog quiet;
-    ceres::Solve(solver, &problem, &outcome);
-  }
+  ceres::Solve(solver, &problem, &outcome);
   read_outcome(outcome, progress);
 }
 

@@ -2,6 +2,8 @@
 // (scaled by the weight); per-component and one-sided losses, which Ceres has not, are folded into the residual exactly:
 // r̃_c = sign(r_c) √ρ(r_c²), so that ½‖r̃‖² is the cost and J̃ᵀr̃ its gradient.
 // Linear solver: dense Cholesky up to 30 unknowns, else sparse Cholesky (CHOLMOD where Ceres has it).
+// Ceres warns on the log (glog) of every matrix that is not positive definite, which is part of finding the first trust region. The log is
+// the program's: set its level there (FLAGS_minloglevel, or GLOG_minloglevel in the environment).
 #pragma once
 
 #include <holdfast/solvers/backend.hpp>

@@ -46,5 +46,38 @@ TEST(Prior, RefusesNumbersThatAreNone) {
   EXPECT_NO_THROW((Prior<Scalar>{Scalar(1), Matrix<1, 1>(0.0)}).validate());  // no information is a number
 }
 
+/// A user's own manifold: a positive scale, x ⊕ δ = x exp(δ). Without a local_jacobian of its own it gets one by dual numbers.
+template <class T>
+struct ScaleT {
+  static constexpr int dim = 1;
+  template <class U>
+  using rebind = ScaleT<U>;
+  T value{1};
+  static const char* name() { return "Scale"; }
+  template <class U>
+  ScaleT<U> cast() const {
+    return {U(value)};
+  }
+  ScaleT retract(const VectorT<T, 1>& delta) const {
+    using std::exp;
+    return {value * exp(delta[0])};
+  }
+  VectorT<T, 1> local(const ScaleT& other) const {
+    using std::sqrt;  // not the logarithm: a chart whose derivative is not 1 away from the mean
+    return VectorT<T, 1>(T(2) * (sqrt(other.value / value) - T(1)));
+  }
+  bool is_finite() const { return std::isfinite(value); }
+};
+
+TEST(Prior, OfAUsersOwnManifoldHasItsJacobian) {
+  using Scale = ScaleT<double>;
+  const auto prior = Prior<Scale>::from_sigmas(Scale{4}, Vector<1>(0.5));
+  EXPECT_NEAR(prior(Scale{9})[0], 2, 1e-15);  // 2 (√(9/4) − 1) / 0.5
+  Jacobians<Prior<Scale>> J;
+  prior(Scale{9}, &J);
+  EXPECT_NEAR(J.all(0, 0), 3, 1e-14);  // √(9/4) / 0.5
+  EXPECT_LT(jacobian_error(prior, Scale{9}), 1e-9);
+}
+
 }  // namespace
 }  // namespace holdfast

@@ -21,7 +21,7 @@ std::string text_of(const Dataset& dataset, Format format) {
 void write_and_read_again(const Dataset& dataset) {
   const std::string text = text_of(dataset, dataset.format);
   std::istringstream in(text);
-  const Dataset again = parse(in, "again", dataset.format);
+  const Dataset again = parse_dataset(in, "again", dataset.format);
   fuzz::require(text_of(again, again.format) == text, "a file written, read and written again has changed:\n", text);
   fuzz::require(again.vertices.size() == dataset.vertices.size() && again.edges.size() == dataset.edges.size() &&
                     again.fixed.size() == dataset.fixed.size() && again.unknown.size() == dataset.unknown.size(),
@@ -36,7 +36,7 @@ void convert(Dataset dataset) {
   for (Format format : {Format::PyFG, Format::G2o, Format::Toro}) {
     try {
       std::istringstream in(text_of(dataset, format));
-      parse(in, "converted", format);
+      parse_dataset(in, "converted", format);
     } catch (const BadFile&) {
     }
   }
@@ -65,7 +65,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const int choice = bytes.byte();
   try {
     std::istringstream in{std::string(bytes.rest())};
-    const Dataset dataset = parse(in, "fuzz");
+    const Dataset dataset = parse_dataset(in, "fuzz");
     write_and_read_again(dataset);
     convert(dataset);
     unknown_report(dataset);

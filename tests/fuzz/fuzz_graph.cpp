@@ -34,7 +34,7 @@ constexpr Agent L('L'), X('X');
 
 template <class F>
 FactorId add(Graph& graph, const F& factor, const std::vector<Key>& keys, const Loss& loss, double weight) {
-  Graph::Keys<F> array;
+  std::array<Key, F::Variables::size> array;
   std::copy(keys.begin(), keys.end(), array.begin());
   return graph.add(factor, array, loss, weight);
 }

@@ -336,7 +336,7 @@ class DoctorOnData : public ::testing::TestWithParam<const char*> {};
 TEST_P(DoctorOnData, RaisesNoFalseAlarm) {
   const std::string path = data_path(GetParam());
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there; set HOLDFAST_DATA";
-  const Dataset data = read(path);
+  const Dataset data = read_dataset(path);
   for (const auto start : {ProblemOptions::Start::file, ProblemOptions::Start::odometry}) {
     const Problem problem = make_problem(data, {Huber{2}, start, 0});
     const auto findings = check(problem.graph, problem.start);

@@ -291,5 +291,37 @@ TEST(Graph, ForgetsNothingOfAnEmptiedBatch) {
   EXPECT_EQ(gradient(graph, square()).value, (std::vector<double>{0, 0}));
 }
 
+// ---- what a person asks of it
+
+TEST(Graph, TellsTheResidualOfAFactor) {
+  Graph graph;
+  const FactorId range = graph.add(PointRange{4, 0.5}, {A(0), A(1)}, Huber{1}, 3);  // without loss and weight
+  const FactorId prior = graph.add(prior_at(2, 1), {A(1)});
+  EXPECT_EQ(graph.residual(range, square()), Vector<1>(2));
+  EXPECT_EQ(graph.residual(prior, square()), Vector<2>(1, 3));
+  EXPECT_THAT(message_of<BadKey>([&] { graph.residual(range, Values()); }), HasSubstr("A0"));
+  Values poses = square();
+  poses.erase(A(1));
+  poses.insert(A(1), Pose2(3, 4, 0));
+  EXPECT_THAT(message_of<BadType>([&] { graph.residual(range, poses); }), HasSubstr("A1 is a Pose2"));
+  graph.remove(range);
+  EXPECT_THROW(graph.residual(range, square()), BadKey);
+}
+
+TEST(Graph, TellsTheFactorsOnAVariable) {
+  Graph graph;
+  const FactorId first = graph.add(PointRange{4, 1}, {A(0), A(1)});
+  const FactorId gone = graph.add(PointRange{5, 1}, {L(0), A(0)});
+  const FactorId prior = graph.add(prior_at(2, 1), {A(0)});
+  graph.add(prior_at(2, 1), {L(0)});
+  graph.remove(gone);
+  const std::vector<FactorId> on = graph.factors_on(A(0));
+  ASSERT_EQ(on.size(), 2u);
+  EXPECT_EQ(on[0].number, first.number);
+  EXPECT_EQ(on[1].number, prior.number);
+  EXPECT_TRUE(graph.contains(on[1]));
+  EXPECT_TRUE(graph.factors_on(A(9)).empty());
+}
+
 }  // namespace
 }  // namespace holdfast

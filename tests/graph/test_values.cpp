@@ -252,5 +252,16 @@ TEST(Values, AgreesWithANaiveModelUnderRandomChanges) {
   }
 }
 
+TEST(Values, VisitsTheVariablesOfAType) {
+  Values values;
+  values.insert(Key('A', 2), Point2(1, 2));
+  values.insert(Key('A', 0), Pose2(9, 9, 0));
+  values.insert(Key('A', 1), Point2(10, 20));
+  std::map<Key, double> seen;
+  values.for_each<Point2>([&](Key key, const Point2& point) { seen[key] = point.y(); });
+  EXPECT_EQ(seen, (std::map<Key, double>{{Key('A', 2), 2}, {Key('A', 1), 20}}));
+  values.for_each<Pose3>([](Key, const Pose3&) { FAIL() << "there is none"; });
+}
+
 }  // namespace
 }  // namespace holdfast

@@ -21,7 +21,7 @@ std::string path_of(const std::string& file) {
   if (!std::filesystem::exists(path_of(file))) GTEST_SKIP() << path_of(file) << " is not there; set HOLDFAST_DATA"
 
 Problem problem_of(const std::string& file, const Loss& loss) {
-  return make_problem(read(path_of(file)), {loss, ProblemOptions::Start::odometry, 0});
+  return make_problem(read_dataset(path_of(file)), {loss, ProblemOptions::Start::odometry, 0});
 }
 
 struct Run {

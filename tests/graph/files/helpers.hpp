@@ -15,7 +15,7 @@ namespace holdfast::testing_io {
 
 inline Dataset parsed(const std::string& text, Format format, const std::string& name = "test.txt") {
   std::istringstream in(text);
-  return parse(in, name, format);
+  return parse_dataset(in, name, format);
 }
 
 template <class T>

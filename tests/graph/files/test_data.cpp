@@ -20,7 +20,7 @@ class DataFile : public ::testing::TestWithParam<Expected> {};
 TEST_P(DataFile, CountsAsPublished) {
   const Expected& expected = GetParam();
   HOLDFAST_NEED_DATA(expected.file);
-  const Dataset data = read(data_directory() + "/" + expected.file);
+  const Dataset data = read_dataset(data_directory() + "/" + expected.file);
   EXPECT_EQ(data.format, expected.format);
   EXPECT_TRUE(data.unknown.empty()) << unknown_report(data);
   std::set<Agent> agents;
@@ -47,7 +47,7 @@ TEST_P(DataFile, CountsAsPublished) {
 
 TEST_P(DataFile, RoundTripKeepsEveryBit) {
   HOLDFAST_NEED_DATA(GetParam().file);
-  const Dataset data = read(data_directory() + "/" + GetParam().file);
+  const Dataset data = read_dataset(data_directory() + "/" + GetParam().file);
   const TemporaryDirectory directory;
   const std::string path = directory / "again";
   switch (data.format) {
@@ -61,7 +61,7 @@ TEST_P(DataFile, RoundTripKeepsEveryBit) {
       write_toro(path, data);
       break;
   }
-  const Dataset again = read(path);
+  const Dataset again = read_dataset(path);
   expect_same(data, again);
   EXPECT_EQ(written(data), written(again));
 }

@@ -280,7 +280,7 @@ class OnData : public ::testing::TestWithParam<const char*> {};
 TEST_P(OnData, EndsAtTheCostOfTheFilesStartOrLower) {
   const std::string path = path_of("pose_graph/" + std::string(GetParam()) + ".g2o");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there; set HOLDFAST_DATA";
-  const Dataset data = read(path);
+  const Dataset data = read_dataset(path);
   double file_first, chordal_first;
   const double file = cost_from(data, ProblemOptions::Start::file, &file_first);
   const double chordal = cost_from(data, ProblemOptions::Start::chordal, &chordal_first);

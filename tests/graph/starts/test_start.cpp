@@ -109,7 +109,7 @@ double largest_step_error(const Dataset& data, const Values& values) {
 
 TEST(OdometryStart, ReproducesOdometryOfPlaza2) {
   HOLDFAST_NEED_DATA("range/plaza2.pyfg");
-  const Dataset data = read(data_directory() + "/range/plaza2.pyfg");
+  const Dataset data = read_dataset(data_directory() + "/range/plaza2.pyfg");
   const Values values = odometry_start(data, 1);
   EXPECT_EQ(values.size(), 4095u);
   EXPECT_LT(largest_step_error<Pose2>(data, values), 1e-12);
@@ -119,15 +119,15 @@ TEST(OdometryStart, ReproducesOdometryOfPlaza2) {
 TEST(OdometryStart, ReproducesOdometryInSpaceAndOfTeams) {
   HOLDFAST_NEED_DATA("range/single_drone.pyfg");
   HOLDFAST_NEED_DATA("range/mrclam5a.pyfg");
-  const Dataset drone = read(data_directory() + "/range/single_drone.pyfg");
+  const Dataset drone = read_dataset(data_directory() + "/range/single_drone.pyfg");
   EXPECT_LT(largest_step_error<Pose3>(drone, odometry_start(drone, 1)), 1e-12);
-  const Dataset team = read(data_directory() + "/range/mrclam5a.pyfg");
+  const Dataset team = read_dataset(data_directory() + "/range/mrclam5a.pyfg");
   EXPECT_LT(largest_step_error<Pose2>(team, odometry_start(team, 1)), 1e-12);
 }
 
 TEST(VertexStart, CsailHasEdgesAlone) {
   HOLDFAST_NEED_DATA("pose_graph/CSAIL.g2o");
-  const Dataset data = read(data_directory() + "/pose_graph/CSAIL.g2o");
+  const Dataset data = read_dataset(data_directory() + "/pose_graph/CSAIL.g2o");
   const Values values = vertex_start(data);
   EXPECT_EQ(values.size(), 1045u);
   EXPECT_LT(largest_step_error<Pose2>(data, values), 1e-12);

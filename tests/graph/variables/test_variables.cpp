@@ -103,5 +103,43 @@ TEST(Poses, TranslateInTheWorldAndTurnInTheBody) {
   EXPECT_LT((y.retract(delta).rotation() - y.rotation() * turn).norm(), 1e-14);
 }
 
+// ---- parts and products
+
+TEST(Variables, OfThePositionHaveCoordinates) {
+  EXPECT_EQ(Point2(1, 2).x(), 1);
+  EXPECT_EQ(Point2(1, 2).y(), 2);
+  const Accel3 motion(1, 2, 3, 4, 5, 6, 7, 8, 9);
+  EXPECT_EQ((Vector<3>(motion.x(), motion.y(), motion.z())), motion.position());
+}
+
+TEST(Variables, PosesMovePointsFromTheBodyToTheWorld) {
+  const Pose2 left(1, 2, kPi / 2);
+  EXPECT_TRUE((left * Point2(3, 0)).value.isApprox(Vector<2>(1, 5), 1e-15));
+  EXPECT_TRUE((left * Vector<2>(3, 0)).isApprox(Vector<2>(1, 5), 1e-15));
+  EXPECT_TRUE((left.inverse() * (left * Point2(3, 4))).value.isApprox(Vector<2>(3, 4), 1e-15));
+  const Pose3 up = Pose3::from_roll_pitch_yaw({1, 2, 3}, 0, -kPi / 2, 0);  // x to z
+  EXPECT_TRUE((up * Point3(3, 0, 0)).value.isApprox(Vector<3>(1, 2, 6), 1e-15));
+  EXPECT_TRUE((up * Vector<3>(3, 0, 0)).isApprox(Vector<3>(1, 2, 6), 1e-15));
+  EXPECT_TRUE((up.inverse() * (up * Point3(3, 4, 5))).value.isApprox(Vector<3>(3, 4, 5), 1e-15));
+  EXPECT_TRUE(((up * up) * Vector<3>(3, 4, 5)).isApprox(up * (up * Vector<3>(3, 4, 5)), 1e-15));
+}
+
+TEST(Variables, RollPitchYawAreTurnsAboutTheWorldsAxesInThisOrder) {
+  const Pose3 pose = Pose3::from_roll_pitch_yaw({0, 0, 0}, kPi / 2, 0, kPi / 2);  // y to z by the roll, where it stays; x to y by the yaw
+  EXPECT_TRUE((pose * Vector<3>(0, 1, 0)).isApprox(Vector<3>(0, 0, 1), 1e-15));
+  EXPECT_TRUE((pose * Vector<3>(1, 0, 0)).isApprox(Vector<3>(0, 1, 0), 1e-15));
+  std::mt19937_64 rng(3);
+  for (int i = 0; i < 50; ++i) {
+    const Vector<3> angles(testing::uniform(rng, -3.1, 3.1), testing::uniform(rng, -1.5, 1.5), testing::uniform(rng, -3.1, 3.1));
+    const Pose3 turned = Pose3::from_roll_pitch_yaw({1, 2, 3}, angles[0], angles[1], angles[2]);
+    EXPECT_LT((turned.roll_pitch_yaw() - angles).norm(), 1e-13);
+  }
+  for (double pitch : {kPi / 2, -kPi / 2}) {  // roll and yaw turn about one axis: the rotation is right
+    const Pose3 steep = Pose3::from_roll_pitch_yaw({0, 0, 0}, 0.4, pitch, 0.3);
+    const Vector<3> angles = steep.roll_pitch_yaw();
+    EXPECT_LT(Pose3::from_roll_pitch_yaw({0, 0, 0}, angles[0], angles[1], angles[2]).local(steep).norm(), 1e-7);
+  }
+}
+
 }  // namespace
 }  // namespace holdfast
