@@ -97,8 +97,8 @@ MatrixNoise<N> read_noise(Line& line, Format format) {
   for (const Entry& entry : entries<N>(format))
     noise.written(entry.row, entry.column) = noise.written(entry.column, entry.row) = line.next_number(what);
   Matrix<N, N> root;
-  const bool usable = noise.is_covariance() ? noise.written.llt().info() == Eigen::Success
-                                            : detail::semidefinite_root(N, noise.written.data(), root.data());
+  const bool usable = noise.written.llt().info() == Eigen::Success ||
+                      (!noise.is_covariance() && detail::semidefinite_root(N, noise.written.data(), root.data()));
   if (!usable) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(noise.written,
                                                                   Eigen::EigenvaluesOnly);  // DontAlign breaks the fixed-size one

@@ -56,13 +56,13 @@ TEST(Whitening, DoesNotMindUnits) {
 
 // ---- information that says nothing of some directions
 
-/// No entry of Wᵀ W is off by more than 1e-14 of what its two diagonal entries allow.
+/// No entry of Wᵀ W is off by more than `tolerance` of what its two diagonal entries allow.
 template <int N>
-void expect_root(const Matrix<N, N>& W, const Matrix<N, N>& information) {
+void expect_root(const Matrix<N, N>& W, const Matrix<N, N>& information, double tolerance) {
   const Matrix<N, N> difference = W.transpose() * W - information;
   for (int i = 0; i < N; ++i)
     for (int j = 0; j < N; ++j)
-      EXPECT_LE(std::abs(difference(i, j)), 1e-13 * std::sqrt(information(i, i) * information(j, j))) << i << " " << j << "\n" << W;
+      EXPECT_LE(std::abs(difference(i, j)), tolerance * std::sqrt(information(i, i) * information(j, j))) << i << " " << j << "\n" << W;
 }
 
 TEST(Whitening, KeepsRowsOfZerosAndTheBitsOfTheRest) {
@@ -92,7 +92,8 @@ TEST(Whitening, OfLowerRankGivesTheInformationInAnyUnits) {
       const Vector<6> units = (Vector<6>() << 1, 1, 1, unit, unit, unit).finished();
       const Matrix<6, 6> information = units.asDiagonal() * (rows.transpose() * rows) * units.asDiagonal();
       SCOPED_TRACE(std::to_string(rank) + " " + std::to_string(unit));
-      expect_root<6>(sqrt_information_from_information<6>(0.5 * (information + information.transpose())), information);
+      expect_root<6>(sqrt_information_from_information<6>(0.5 * (information + information.transpose())), information,
+                     unit > 1e3 ? 1e-11 : 1e-13);  // entries 1e-12 of the largest keep fewer digits
     }
 }
 

@@ -174,6 +174,17 @@ TEST(Noise, SurvivesEveryConversion) {
   EXPECT_LT((covariance.information() * covariance.noise.written - Matrix<3, 3>::Identity()).norm(), 1e-12);
 }
 
+// A robot in the plane: the height, roll and pitch of its odometry say nothing.
+TEST(Noise, OfPartialInformationHasZerosAndNoCovariance) {
+  const std::string line = "EDGE_SE3:QUAT 0 1 1 2 3 0 0 0 1 10 1 0 0 0 0 11 0 0 0 0 0 0 0 0 0 0 0 0 0 400\n";
+  const Dataset data = parsed(line, Format::G2o);
+  const auto& edge = std::get<RelativePoseEdge<Pose3>>(data.edges[0].measurement);
+  EXPECT_EQ(edge.information().diagonal(), (Vector<6>() << 10, 11, 0, 0, 0, 100).finished());
+  expect_same(data, parsed(to_g2o(data), Format::G2o));
+  EXPECT_EQ(edge.noise.converted(Format::Toro, edge.measured).written.diagonal(), edge.information().diagonal());
+  expect_message<BadNumber>([&] { edge.noise.converted(Format::PyFG, edge.measured); }, {"no inverse", "no covariance"});
+}
+
 TEST(Converting, G2oToToroAndPyFG) {
   const Dataset g2o = parsed("VERTEX_SE2 0 0 0 0\nVERTEX_SE2 4 1 0 0.1\nEDGE_SE2 0 4 1 0 0.1 10 1 2 11 3 12\n", Format::G2o);
   const Dataset toro = parsed(to_toro(g2o), Format::Toro);
