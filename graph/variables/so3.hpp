@@ -52,13 +52,17 @@ Quaternion<T> from_roll_pitch_yaw(const VectorT<T, 3>& angles) {
   return (turn(2) * turn(1) * turn(0)).normalized();
 }
 
-/// (roll, pitch, yaw) [rad] of a rotation matrix, pitch in [−π/2, π/2].
+/// (roll, pitch, yaw) [rad] of a rotation matrix, pitch in [−π/2, π/2]. The roll is that of R_z(−yaw) R: where roll and yaw turn about one
+/// axis (pitch ±π/2) either is arbitrary, and both together are right.
 template <class T>
 VectorT<T, 3> roll_pitch_yaw(const MatrixT<T, 3, 3>& R) {
   using std::atan2;
+  using std::cos;
+  using std::sin;
   using std::sqrt;
   const T cosine = sqrt(R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0));
-  return {atan2(R(2, 1), R(2, 2)), atan2(-R(2, 0), cosine), atan2(R(1, 0), R(0, 0))};
+  const T yaw = atan2(R(1, 0), R(0, 0)), s = sin(yaw), c = cos(yaw);
+  return {atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1)), atan2(-R(2, 0), cosine), yaw};
 }
 
 /// J_r^{-1}(φ): Log(Exp(φ) Exp(δ)) = φ + J_r^{-1}(φ) δ + O(δ²).
