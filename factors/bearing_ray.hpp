@@ -22,6 +22,7 @@ struct BearingRay {
   using Variables = variables<A, B>;
   static constexpr bool is_convex = true;
   static const char* name() { return "BearingRay"; }
+  static constexpr auto fields() { return std::tuple(field("direction", &BearingRay::direction), field("sigma", &BearingRay::sigma)); }
 
   Direction operator()(const A& a, const B& b, Jacobians<BearingRay>* J = nullptr) const {
     using Square = Matrix<residual_dim, residual_dim>;

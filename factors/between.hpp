@@ -26,6 +26,9 @@ struct Between {
   static constexpr int residual_dim = V::dim;
   static constexpr bool is_linear = is_vector_space<V>;
   static const char* name() { return "Between"; }
+  static constexpr auto fields() {
+    return std::tuple(field("measured", &Between::measured), field("sqrt_information", &Between::sqrt_information));
+  }
 
   static Between from_sigmas(const V& measured, const Vector<V::dim>& sigmas) {
     return {measured, sqrt_information_from_sigmas<V::dim>(sigmas)};

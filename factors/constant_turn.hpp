@@ -26,6 +26,10 @@ struct ConstantTurn<Motion2> {
   static constexpr int residual_dim = 4;
   static constexpr bool is_linear = true;
   static const char* name() { return "ConstantTurn"; }
+  static constexpr auto fields() {
+    return std::tuple(field("dt", &ConstantTurn::dt), field("omega", &ConstantTurn::omega),
+                      field("sqrt_information", &ConstantTurn::sqrt_information));
+  }
 
   static ConstantTurn from_covariance(double dt, double omega, const Matrix<4, 4>& covariance) {
     return {dt, omega, sqrt_information_from_covariance<4>(covariance, "ConstantTurn.covariance")};

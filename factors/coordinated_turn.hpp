@@ -19,6 +19,9 @@ struct CoordinatedTurn {
   using Variables = variables<Motion2, Scalar, Motion2, Scalar>;
   static constexpr int residual_dim = 5;
   static const char* name() { return "CoordinatedTurn"; }
+  static constexpr auto fields() {
+    return std::tuple(field("dt", &CoordinatedTurn::dt), field("q", &CoordinatedTurn::q), field("q_turn", &CoordinatedTurn::q_turn));
+  }
 
   /// [F_CT(ω) x; ω] and its derivative by [x; ω].
   struct Prediction {

@@ -35,6 +35,10 @@ struct HuberMeasurement {
   static constexpr int residual_dim = Rows;
   static constexpr bool is_linear = true;
   static const char* name() { return "HuberMeasurement"; }
+  static constexpr auto fields() {
+    return std::tuple(field("z", &HuberMeasurement::z), field("known", &HuberMeasurement::known), field("B", &HuberMeasurement::B),
+                      field("sqrt_information", &HuberMeasurement::sqrt_information), field("weight", &HuberMeasurement::weight));
+  }
   static Loss default_loss() { return per_component(Huber{2}); }
   double default_weight() const { return weight; }
 
@@ -81,6 +85,10 @@ struct HuberMeasurementEdge {
   static constexpr int residual_dim = Rows;
   static constexpr bool is_linear = true;
   static const char* name() { return "HuberMeasurementEdge"; }
+  static constexpr auto fields() {
+    return std::tuple(field("z", &HuberMeasurementEdge::z), field("A", &HuberMeasurementEdge::A), field("B", &HuberMeasurementEdge::B),
+                      field("sqrt_information", &HuberMeasurementEdge::sqrt_information), field("weight", &HuberMeasurementEdge::weight));
+  }
   static Loss default_loss() { return per_component(Huber{2}); }
   double default_weight() const { return weight; }
 

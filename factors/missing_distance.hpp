@@ -23,6 +23,9 @@ struct MissingDistancePrior {
   static constexpr int residual_dim = 1;
   static constexpr bool is_linear = true;
   static const char* name() { return "MissingDistancePrior"; }
+  static constexpr auto fields() {
+    return std::tuple(field("d_prev", &MissingDistancePrior::d_prev), field("rho", &MissingDistancePrior::rho));
+  }
 
   Vector<1> operator()(const Scalar& omega, Jacobians<MissingDistancePrior>* J = nullptr) const {
     if (J != nullptr) J->all(0, 0) = 1 / rho;
@@ -43,6 +46,7 @@ struct MissingDistanceBall {
   static constexpr int residual_dim = 1;
   static constexpr bool is_convex = true;  // jointly in positions and Ω
   static const char* name() { return "MissingDistanceBall"; }
+  static constexpr auto fields() { return std::tuple(field("sigma", &MissingDistanceBall::sigma)); }
 
   Vector<1> operator()(const A& a, const B& b, const Scalar& omega, Jacobians<MissingDistanceBall>* J = nullptr) const {
     const auto norm = safe_norm(displacement(a, b));
@@ -85,6 +89,10 @@ struct MissingDistance {
   static constexpr int residual_dim = space_dim<A>;
   static constexpr bool is_convex = true;
   static const char* name() { return "MissingDistance"; }
+  static constexpr auto fields() {
+    return std::tuple(field("d_prev", &MissingDistance::d_prev), field("sigma", &MissingDistance::sigma),
+                      field("rho", &MissingDistance::rho));
+  }
 
   Vector<residual_dim> operator()(const A& a, const B& b, Jacobians<MissingDistance>* J = nullptr) const {
     const RangeBall<A, B> ball{d_prev, std::hypot(sigma, rho)};

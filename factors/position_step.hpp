@@ -19,6 +19,7 @@ struct PositionStep {
   static constexpr int residual_dim = space_dim<A>;
   static constexpr bool is_linear = true;  // for poses, too: the position is linear in every tangent
   static const char* name() { return "PositionStep"; }
+  static constexpr auto fields() { return std::tuple(field("beta", &PositionStep::beta)); }
 
   Vector<residual_dim> operator()(const A& a, const B& b, Jacobians<PositionStep>* J = nullptr) const {
     if (J != nullptr) set_displacement_jacobian(Matrix<residual_dim, residual_dim>::Identity() / beta, *J);

@@ -25,6 +25,7 @@ struct Prior {
   static constexpr int residual_dim = V::dim;
   static constexpr bool is_linear = is_vector_space<V>;
   static const char* name() { return "Prior"; }
+  static constexpr auto fields() { return std::tuple(field("mean", &Prior::mean), field("sqrt_information", &Prior::sqrt_information)); }
 
   static Prior from_sigmas(const V& mean, const Vector<V::dim>& sigmas) { return {mean, sqrt_information_from_sigmas<V::dim>(sigmas)}; }
   static Prior from_covariance(const V& mean, const Square& covariance) {

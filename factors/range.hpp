@@ -21,6 +21,7 @@ struct Range {
   using Variables = variables<A, B>;
   static constexpr int residual_dim = 1;
   static const char* name() { return "Range"; }
+  static constexpr auto fields() { return std::tuple(field("distance", &Range::distance), field("sigma", &Range::sigma)); }
 
   Vector<1> operator()(const A& a, const B& b, Jacobians<Range>* J = nullptr) const {
     const auto norm = safe_norm(displacement(a, b));

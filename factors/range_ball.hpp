@@ -25,6 +25,7 @@ struct RangeBall {
   static constexpr int residual_dim = space_dim<A>;
   static constexpr bool is_convex = true;  // for poses, too: the position is linear in every tangent
   static const char* name() { return "RangeBall"; }
+  static constexpr auto fields() { return std::tuple(field("distance", &RangeBall::distance), field("sigma", &RangeBall::sigma)); }
 
   Vector<residual_dim> operator()(const A& a, const B& b, Jacobians<RangeBall>* J = nullptr) const {
     const Vector<residual_dim> x = displacement(a, b);

@@ -24,6 +24,10 @@ struct RangeBearing {
 
   using Variables = variables<A, B>;
   static const char* name() { return "RangeBearing"; }
+  static constexpr auto fields() {
+    return std::tuple(field("distance", &RangeBearing::distance), field("sigma", &RangeBearing::sigma),
+                      field("direction", &RangeBearing::direction), field("kappa", &RangeBearing::kappa));
+  }
 
   Vector<residual_dim> operator()(const A& a, const B& b, Jacobians<RangeBearing>* J = nullptr) const {
     const Range<A, B> range{distance, sigma};

@@ -31,6 +31,10 @@ struct RangeBearingBall {
   using Variables = variables<A, B>;
   static constexpr bool is_convex = true;  // the cost ½‖r‖², not every component of r
   static const char* name() { return "RangeBearingBall"; }
+  static constexpr auto fields() {
+    return std::tuple(field("distance", &RangeBearingBall::distance), field("sigma", &RangeBearingBall::sigma),
+                      field("direction", &RangeBearingBall::direction), field("kappa", &RangeBearingBall::kappa));
+  }
 
   Vector<residual_dim> operator()(const A& a, const B& b, Jacobians<RangeBearingBall>* J = nullptr) const {
     using Square = Matrix<space, space>;

@@ -23,6 +23,9 @@ struct RelativePoint {
 
   using Variables = variables<P, L>;
   static const char* name() { return "RelativePoint"; }
+  static constexpr auto fields() {
+    return std::tuple(field("measured", &RelativePoint::measured), field("sqrt_information", &RelativePoint::sqrt_information));
+  }
 
   static RelativePoint from_sigmas(const Position& measured, const Position& sigmas) {
     return {measured, sqrt_information_from_sigmas<residual_dim>(sigmas)};

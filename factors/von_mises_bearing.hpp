@@ -34,6 +34,9 @@ struct VonMisesBearing {
 
   using Variables = variables<A, B>;
   static const char* name() { return "VonMisesBearing"; }
+  static constexpr auto fields() {
+    return std::tuple(field("direction", &VonMisesBearing::direction), field("kappa", &VonMisesBearing::kappa));
+  }
 
   Direction operator()(const A& a, const B& b, Jacobians<VonMisesBearing>* J = nullptr) const {
     const auto norm = safe_norm(displacement(a, b));
@@ -65,6 +68,9 @@ struct VonMisesBearingBody {
 
   using Variables = variables<P, B>;
   static const char* name() { return "VonMisesBearingBody"; }
+  static constexpr auto fields() {
+    return std::tuple(field("direction", &VonMisesBearingBody::direction), field("kappa", &VonMisesBearingBody::kappa));
+  }
 
   Direction operator()(const P& a, const B& b, Jacobians<VonMisesBearingBody>* J = nullptr) const {
     const auto norm = safe_norm(displacement(a, b));

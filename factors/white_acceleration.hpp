@@ -32,6 +32,11 @@ struct WhiteAcceleration {
   static constexpr int residual_dim = V::dim;
   static constexpr bool is_linear = true;
   static const char* name() { return "WhiteAcceleration"; }
+  static constexpr auto fields() {
+    return std::tuple(field("kind", &WhiteAcceleration::kind), field("dt", &WhiteAcceleration::dt),
+                      field("steps", &WhiteAcceleration::steps), field("R", &WhiteAcceleration::R),
+                      field("sqrt_information", &WhiteAcceleration::sqrt_information));
+  }
 
   double duration() const { return steps * dt; }
 

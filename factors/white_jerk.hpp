@@ -23,6 +23,10 @@ struct WhiteJerk {
   static constexpr int residual_dim = V::dim;
   static constexpr bool is_linear = true;
   static const char* name() { return "WhiteJerk"; }
+  static constexpr auto fields() {
+    return std::tuple(field("duration", &WhiteJerk::duration), field("q", &WhiteJerk::q),
+                      field("sqrt_information", &WhiteJerk::sqrt_information));
+  }
 
   static WhiteJerk continuous(double duration, double q) {
     require_noise(duration, q);

@@ -70,9 +70,35 @@ FactorId Graph::enter(FactorBatch& batch, const Key* keys, double weight) {
   return {number, place.generation};
 }
 
-FactorId Graph::add_batch(std::unique_ptr<FactorBatch> batch, const std::vector<Key>& keys) {
+FactorBatch& Graph::add_batch(std::unique_ptr<FactorBatch> batch) {
   batches_.push_back(std::move(batch));
-  return enter(*batches_.back(), keys.data(), 1.0);
+  return *batches_.back();
+}
+
+FactorId Graph::add_batch(std::unique_ptr<FactorBatch> batch, const std::vector<Key>& keys) {
+  return enter(add_batch(std::move(batch)), keys.data(), 1.0);
+}
+
+Graph::Numbers Graph::numbers() const {
+  Numbers numbers;
+  for (const Place& place : places_) numbers.generations.push_back(place.generation);
+  numbers.free = free_;
+  return numbers;
+}
+
+void Graph::set_numbers(const Numbers& numbers) {
+  const std::size_t count = numbers.generations.size();
+  if (size() != 0 || numbers.free.size() != count)
+    fail<BadKey>("a graph of ", size(), " factors takes no ", count, " numbers of which ", numbers.free.size(), " are free; all must be");
+  std::vector<bool> named(count, false);
+  for (int number : numbers.free) {
+    if (number < 0 || static_cast<std::size_t>(number) >= count || named[number])
+      fail<BadKey>("factor number ", number, " is named twice, or is none of its ", count);
+    named[number] = true;
+  }
+  places_.clear();
+  for (unsigned generation : numbers.generations) places_.push_back({-1, -1, generation});
+  free_ = numbers.free;
 }
 
 FactorId Graph::add(const LinearPrior& prior) {

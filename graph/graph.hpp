@@ -119,11 +119,22 @@ class Graph {
   /// Changes whenever a factor comes or goes or a variable is fixed or freed.
   std::uint64_t structure() const { return structure_; }
 
+  // ---- for files: a graph made again, batch by batch, with the FactorIds it had.
+
+  struct Numbers {
+    std::vector<unsigned> generations;  ///< of every FactorId::number that was given out
+    std::vector<int> free;              ///< those without a factor: the last one is given out next
+  };
+  Numbers numbers() const;
+  /// Of a graph without factors. `free` holds every number once. Throws BadKey.
+  void set_numbers(const Numbers& numbers);
+  /// An empty batch becomes the last one. Whoever has put one more factor into it then gives that its keys and weight.
+  FactorBatch& add_batch(std::unique_ptr<FactorBatch> batch);
+  FactorId enter(FactorBatch& batch, const Key* keys, double weight);
   /// Enters a batch made elsewhere (a factor of run-time size); it must hold exactly one factor whose keys are given.
   FactorId add_batch(std::unique_ptr<FactorBatch> batch, const std::vector<Key>& keys);
 
  private:
-  friend struct BinaryIo;
   template <class F>
   Batch<F>& batch_for(const Loss& loss) {
     (void)detail::factor_type_is_entered<F>;
@@ -142,7 +153,6 @@ class Graph {
   }
   void check_new(std::string (*name)(), const Key* keys, std::size_t count, const Loss& loss, int residual_dim, double weight) const;
   [[noreturn]] void rethrow_named(const std::string& name, const Key* keys, std::size_t count, const BadNumber& error) const;
-  FactorId enter(FactorBatch& batch, const Key* keys, double weight);
   const Place& checked(FactorId id) const;
   void require_batch(int batch) const;
 

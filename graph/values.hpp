@@ -211,6 +211,8 @@ class Values {
   void erase(const std::vector<Key>& keys);
   /// A variable from its ambient coordinates, of the type of a pool (Pool<V>::prototype()) that the caller may not know.
   void insert_ambient(Key key, const PoolBase& type, const double* x);
+  /// The number of the pool of this type, made where there is none: whoever fills a Values from a file keeps the order of its pools.
+  int pool_of(const PoolBase& type);
 
   bool contains(Key key) const { return slots_.count(key) != 0; }
   template <class V>
@@ -252,10 +254,8 @@ class Values {
   void assign(const Values& other);
 
  private:
-  friend struct BinaryIo;
   void require_new(Key key) const;
   void claim(Key key, int pool);
-  int pool_of(const PoolBase& type);
   void place(Key key, const Slot& slot);
   void forget(Key key);
   void take_structure(const Values& other);

@@ -1,8 +1,8 @@
 // What files and reports want of a factor type beyond what solvers see of it (FactorBatch). Graph::add enters a type's description when
 // the program starts: a program knows every factor type that it has code to add.
 //
-// In a file a factor is the bytes of its struct, under its C++ name: readable by programs of the same struct and the same compiler
-// conventions. A factor that owns memory (a vector, a string) cannot be written.
+// In a file a factor is its fields by name (graph/fields.hpp), under its C++ name: readable by programs that have the same fields. A factor
+// without fields() cannot be written.
 #pragma once
 
 #include <holdfast/graph/batch.hpp>
@@ -10,11 +10,13 @@
 namespace holdfast {
 
 struct FactorType {
-  std::string name;   ///< "holdfast::Prior<holdfast::Pose2T<double> >"
-  std::size_t bytes;  ///< of the struct; 0: it owns memory
+  std::string name;  ///< "holdfast::Prior<holdfast::Pose2T<double> >"
+  bool is_saved;     ///< it has fields() and can be made without arguments
+  std::vector<FieldType> fields;
   std::unique_ptr<FactorBatch> (*make)(const Loss& loss);
-  const void* (*at)(const FactorBatch& batch, int i);
-  void (*push)(FactorBatch& batch, const void* factor);
+  /// The fields of factor i one after the other, and a new factor from them.
+  void (*put)(const FactorBatch& batch, int i, char* fields);
+  void (*push)(FactorBatch& batch, const char* fields);
   /// The residual in the units of the measurement; false where the factor does not say (FactorConcept, raw()).
   bool (*raw)(const FactorBatch& batch, int i, const double* whitened, double* raw);
 };
@@ -56,19 +58,29 @@ bool raw_residual(const FactorBatch& batch, int i, const double* whitened, doubl
 }
 
 template <class F>
+void put_factor(const FactorBatch& batch, int i, char* fields) {
+  if constexpr (HasFields<F>::value) put_field(static_cast<const Batch<F>&>(batch).factors()[i], fields);
+}
+
+template <class F>
+void push_factor(FactorBatch& batch, const char* fields) {
+  if constexpr (HasFields<F>::value && std::is_default_constructible_v<F>) {
+    F factor{};
+    get_field(factor, fields);
+    static_cast<Batch<F>&>(batch).factors().push_back(factor);
+  }
+}
+
+template <class F>
 FactorType factor_type() {
+  std::vector<FieldType> fields;
+  if constexpr (HasFields<F>::value) fields = fields_of<F>();
   return {demangled(typeid(F)),
-          std::is_trivially_destructible_v<F> ? sizeof(F) : 0,
+          HasFields<F>::value && std::is_default_constructible_v<F>,
+          fields,
           [](const Loss& loss) -> std::unique_ptr<FactorBatch> { return std::make_unique<Batch<F>>(loss); },
-          [](const FactorBatch& batch, int i) -> const void* { return &static_cast<const Batch<F>&>(batch).factors()[i]; },
-          [](FactorBatch& batch, const void* factor) {
-            std::vector<F>& all = static_cast<Batch<F>&>(batch).factors();
-            if constexpr (std::is_trivially_destructible_v<F>) {
-              alignas(F) unsigned char copy[sizeof(F)];
-              std::memcpy(copy, factor, sizeof(F));
-              all.push_back(*reinterpret_cast<const F*>(copy));
-            }
-          },
+          put_factor<F>,
+          push_factor<F>,
           raw_residual<F>};
 }
 

@@ -36,7 +36,14 @@ std::size_t ByteReader::get_count(std::size_t bytes) {
 
 }  // namespace io
 
-/// Reaches into Graph and Values: a copy of their memory, in its order.
+namespace {
+
+/// Where a field of the file goes among this program's.
+struct FieldPlace {
+  std::size_t offset, bytes;
+};
+
+/// The layout of the bytes: each read mirrors its write.
 struct BinaryIo {
   static void write(io::ByteWriter& out, const Values& values) {
     out.put<std::uint64_t>(values.pools().size());
@@ -55,12 +62,10 @@ struct BinaryIo {
     for (std::size_t pools = in.get_count(1); pools > 0; --pools) {
       const std::string name = in.get_text();
       const PoolBase& type = variable_type(name, in.get<std::int32_t>());
-      const int index = values.pool_of(type);
+      values.pool_of(type);
       for (std::size_t size = in.get_count(sizeof(std::uint64_t)); size > 0; --size) {
         const Key key = in.get_key();
-        values.require_new(key);
-        values.claim(key, index);
-        values.pool(index).push_ambient(key, ambient(in, type.ambient()).data());
+        values.insert_ambient(key, type, ambient(in, type.ambient()).data());
       }
     }
   }
@@ -81,22 +86,40 @@ struct BinaryIo {
   }
   // The generation of each number, the free numbers, then the number of each factor in the batches' order.
   static void write_ids(io::ByteWriter& out, const Graph& graph) {
-    out.put<std::uint64_t>(graph.places_.size());
-    for (const Graph::Place& place : graph.places_) out.put<std::uint32_t>(place.generation);
-    out.put<std::uint64_t>(graph.free_.size());
-    for (int number : graph.free_) out.put<std::int32_t>(number);
+    const Graph::Numbers numbers = graph.numbers();
+    out.put<std::uint64_t>(numbers.generations.size());
+    for (unsigned generation : numbers.generations) out.put<std::uint32_t>(generation);
+    out.put<std::uint64_t>(numbers.free.size());
+    for (int number : numbers.free) out.put<std::int32_t>(number);
     for (std::size_t b = 0; b < graph.batches().size(); ++b)
       for (int i = 0; i < graph.batches()[b]->size(); ++i) out.put<std::int32_t>(graph.id_of(static_cast<int>(b), i).number);
   }
+  static const FactorType* saved_type(const FactorBatch& batch) {
+    const FactorType* type = find_factor_type(batch.factor_type());
+    if (type == nullptr) fail<BadFile>("a factor ", batch.name(), " cannot be saved: it was added by no code of this program");
+    if (!type->is_saved)
+      fail<BadFile>("a factor ", batch.name(), " cannot be saved: it does not list its members; give it fields() (graph/fields.hpp)",
+                    " and a constructor without arguments, or remove it before saving");
+    return type;
+  }
+  static std::size_t bytes_of(const std::vector<FieldType>& fields) {
+    std::size_t bytes = 0;
+    for (const FieldType& field : fields) bytes += field.bytes;
+    return bytes;
+  }
+  static void write_fields(io::ByteWriter& out, const std::vector<FieldType>& fields) {
+    out.put<std::uint64_t>(fields.size());
+    for (const FieldType& field : fields) out.put(std::string_view(field.name)).put(std::string_view(field.type));
+  }
   static void write(io::ByteWriter& out, const FactorBatch& batch) {
     const bool is_prior = batch.factor_type() == typeid(LinearPrior);
-    const FactorType* type = find_factor_type(batch.factor_type());
-    if (!is_prior && (type == nullptr || type->bytes == 0))
-      fail<BadFile>("a factor ", batch.name(), " cannot be written: it owns memory, or was added by no code of this program");
-    out.put(is_prior ? std::string_view("LinearPrior") : std::string_view(type->name)).put<std::uint64_t>(is_prior ? 0 : type->bytes);
+    const FactorType* type = is_prior ? nullptr : saved_type(batch);
+    out.put(is_prior ? std::string_view("LinearPrior") : std::string_view(type->name));
+    if (!is_prior) write_fields(out, type->fields);
     const Loss& loss = batch.loss();
     out.put(static_cast<std::int32_t>(loss.kind)).put(loss.scale).put(loss.per_component).put(loss.one_sided);
     out.put<std::uint64_t>(batch.size());
+    std::vector<char> fields(is_prior ? 0 : bytes_of(type->fields));
     for (int i = 0; i < batch.size(); ++i) {
       out.put(batch.weight(i));
       if (is_prior) {
@@ -104,7 +127,8 @@ struct BinaryIo {
         continue;
       }
       for (int k = 0; k < batch.arity(); ++k) out.put(batch.keys(i)[k]);
-      out.put(type->at(batch, i), type->bytes);
+      type->put(batch, i, fields.data());
+      out.put(fields.data(), fields.size());
     }
   }
   static void write(io::ByteWriter& out, const LinearPrior& prior) {
@@ -124,37 +148,33 @@ struct BinaryIo {
 
   static void read(io::ByteReader& in, Graph& graph) {
     for (std::size_t fixed = in.get_count(sizeof(std::uint64_t)); fixed > 0; --fixed) graph.fix(in.get_key());
-    const std::vector<int> free = read_ids(in, graph);
-    for (std::size_t batches = in.get_count(1); batches > 0; --batches) read_batch(in, graph);
-    if (!graph.free_.empty()) fail<BadFile>("it names ", graph.free_.size(), " factors more than it holds");
-    graph.free_ = free;
+    std::size_t named = read_ids(in, graph);
+    for (std::size_t batches = in.get_count(1); batches > 0; --batches) read_batch(in, graph, named);
+    if (named != 0) fail<BadFile>("it names ", named, " factors more than it holds");
   }
-  // Leaves the factors' numbers in graph.free_ so that enter() hands them out in the batches' order; returns the numbers that stay free.
-  static std::vector<int> read_ids(io::ByteReader& in, Graph& graph) {
-    for (std::size_t size = in.get_count(sizeof(std::uint32_t)); size > 0; --size)
-      graph.places_.push_back({-1, -1, in.get<std::uint32_t>()});
+  // The graph hands them out again: first those of its factors in the batches' order, then those that stay free. Returns how many factors.
+  static std::size_t read_ids(io::ByteReader& in, Graph& graph) {
+    Graph::Numbers numbers;
+    for (std::size_t size = in.get_count(sizeof(std::uint32_t)); size > 0; --size) numbers.generations.push_back(in.get<std::uint32_t>());
     const std::size_t count_free = in.get_count(sizeof(std::int32_t));
-    if (count_free > graph.places_.size()) fail<BadFile>("it has ", count_free, " free factor numbers of ", graph.places_.size());
-    std::vector<int> numbers;
-    std::vector<char> is_named(graph.places_.size(), 0);
-    for (std::size_t i = 0; i < graph.places_.size(); ++i) {
-      const auto number = in.get<std::int32_t>();
-      if (number < 0 || static_cast<std::size_t>(number) >= is_named.size() || is_named[number] != 0)
-        fail<BadFile>("factor number ", number, " is named twice, or is none of its ", is_named.size());
-      is_named[number] = 1;
-      numbers.push_back(number);
-    }
-    const auto end_of_free = numbers.begin() + static_cast<std::ptrdiff_t>(count_free);
-    graph.free_.assign(numbers.rbegin(), std::make_reverse_iterator(end_of_free));
-    return {numbers.begin(), end_of_free};
+    if (count_free > numbers.generations.size())
+      fail<BadFile>("it has ", count_free, " free factor numbers of ", numbers.generations.size());
+    for (std::size_t i = 0; i < numbers.generations.size(); ++i) numbers.free.push_back(in.get<std::int32_t>());
+    std::reverse(numbers.free.begin() + static_cast<std::ptrdiff_t>(count_free), numbers.free.end());
+    graph.set_numbers(numbers);
+    return numbers.free.size() - count_free;
   }
-  static void enter(Graph& graph, FactorBatch& batch, const Key* keys, double weight) {
-    if (graph.free_.empty()) fail<BadFile>("it holds more factors than it names");
+  static void enter(Graph& graph, FactorBatch& batch, const Key* keys, double weight, std::size_t& named) {
+    if (named-- == 0) fail<BadFile>("it holds more factors than it names");
+    if (!(std::isfinite(weight) && weight >= 0))
+      fail<BadFile>("a factor ", batch.name(), " has the weight ", weight, "; it must be finite and >= 0");
     graph.enter(batch, keys, weight);
   }
-  static void read_batch(io::ByteReader& in, Graph& graph) {
+  static void read_batch(io::ByteReader& in, Graph& graph, std::size_t& named) {
     const std::string name = in.get_text();
-    const auto bytes = in.get<std::uint64_t>();
+    const bool is_prior = name == "LinearPrior";
+    const FactorType* type = is_prior ? nullptr : known_type(name);
+    const std::vector<FieldPlace> places = is_prior ? std::vector<FieldPlace>() : read_fields(in, *type);
     Loss loss;
     const auto kind = in.get<std::int32_t>();
     if (kind < 0 || kind > static_cast<int>(Loss::Kind::StudentT)) fail<BadFile>("it holds a loss of unknown kind ", kind);
@@ -163,31 +183,51 @@ struct BinaryIo {
     loss.per_component = in.get<bool>();
     loss.one_sided = in.get<bool>();
     std::size_t size = in.get_count(sizeof(double));
-    if (name == "LinearPrior") {
+    if (is_prior) {
       if (size > 1) fail<BadFile>("it holds a batch of ", size, " LinearPriors; one each");
-      graph.batches_.push_back(std::make_unique<LinearPriorBatch>());
-      if (size > 0) read_prior(in, graph);
+      FactorBatch& batch = graph.add_batch(std::make_unique<LinearPriorBatch>());
+      if (size > 0) read_prior(in, graph, static_cast<LinearPriorBatch&>(batch), named);
       return;
     }
-    const FactorType* type = io_type(name, bytes);
-    graph.batches_.push_back(type->make(loss));
-    FactorBatch& batch = *graph.batches_.back();
+    FactorBatch& batch = graph.add_batch(type->make(loss));
     loss.validate(batch.residual_dim());
+    std::vector<char> fields(bytes_of(type->fields));
     for (; size > 0; --size) {
       const auto weight = in.get<double>();
       std::vector<Key> keys;
       for (int k = 0; k < batch.arity(); ++k) keys.push_back(in.get_key());
-      type->push(batch, in.take(bytes));
-      enter(graph, batch, keys.data(), weight);
+      for (const FieldPlace& place : places) std::memcpy(fields.data() + place.offset, in.take(place.bytes), place.bytes);
+      type->push(batch, fields.data());
+      enter(graph, batch, keys.data(), weight, named);
     }
   }
-  static const FactorType* io_type(const std::string& name, std::uint64_t bytes) {
+  static const FactorType* known_type(const std::string& name) {
     const FactorType* type = find_factor_type(name);
-    if (type == nullptr || type->bytes != bytes)
-      fail<BadFile>("it holds factors of type ", name, " (", bytes, " bytes), which no code of this program adds");
+    if (type == nullptr || !type->is_saved) fail<BadFile>("it holds factors of type ", name, ", which no code of this program adds");
     return type;
   }
-  static void read_prior(io::ByteReader& in, Graph& graph) {
+  // Every field of the file has its place, and every place its field.
+  static std::vector<FieldPlace> read_fields(io::ByteReader& in, const FactorType& type) {
+    std::vector<FieldPlace> places;
+    std::vector<bool> found(type.fields.size(), false);
+    for (std::size_t count = in.get_count(1); count > 0; --count) {
+      const std::string name = in.get_text(), as = in.get_text();
+      std::size_t k = 0, offset = 0;
+      while (k < type.fields.size() && type.fields[k].name != name) offset += type.fields[k++].bytes;
+      if (k == type.fields.size()) fail<BadFile>("its factors ", type.name, " have a field ", name, " (", as, ") that they have not here");
+      if (found[k]) fail<BadFile>("its factors ", type.name, " have the field ", name, " twice");
+      if (type.fields[k].type != as)
+        fail<BadFile>("the field ", name, " of its factors ", type.name, " is of type ", as, ", here ", type.fields[k].type);
+      found[k] = true;
+      places.push_back({offset, type.fields[k].bytes});
+    }
+    for (std::size_t k = 0; k < found.size(); ++k)
+      if (!found[k])
+        fail<BadFile>("its factors ", type.name, " have no field ", type.fields[k].name, " (", type.fields[k].type,
+                      "), which they have here");
+    return places;
+  }
+  static void read_prior(io::ByteReader& in, Graph& graph, LinearPriorBatch& batch, std::size_t& named) {
     const auto weight = in.get<double>();
     LinearPrior prior;
     for (std::size_t keys = in.get_count(sizeof(double)); keys > 0; --keys) {
@@ -204,11 +244,12 @@ struct BinaryIo {
     prior.A = ambient(in, prior.rows * prior.columns());
     prior.b = ambient(in, prior.rows);
     prior.validate();
-    FactorBatch& batch = *graph.batches_.back();
-    static_cast<LinearPriorBatch&>(batch).hold(prior);
-    enter(graph, batch, prior.keys.data(), weight);
+    batch.hold(prior);
+    enter(graph, batch, prior.keys.data(), weight, named);
   }
 };
+
+}  // namespace
 
 namespace io {
 

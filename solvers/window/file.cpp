@@ -8,7 +8,7 @@ namespace holdfast {
 namespace {
 
 constexpr std::string_view kMagic = "holdfast window\n";
-constexpr std::uint32_t kVersion = 3;  // 2 was 0.1.0: agents were letters
+constexpr std::uint32_t kVersion = 3;  // 2 was 0.1.0: agents were letters, factors raw bytes
 
 /// FNV-1a, 64 bits.
 std::uint64_t checksum(std::string_view bytes) {

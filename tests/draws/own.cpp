@@ -10,6 +10,7 @@ struct Height {
   double height, sigma;  // [m]
   using Variables = variables<Pose3, Point3>;
   static constexpr int residual_dim = 1;
+  static constexpr auto fields() { return std::tuple(field("height", &Height::height), field("sigma", &Height::sigma)); }
   Vector<1> operator()(const Pose3& robot, const Point3& landmark, Jacobians<Height>* J = nullptr) const {
     const Vector<3> p = robot.to_body(landmark.value - robot.p), up = robot.rotation().col(2);
     if (J != nullptr) J->all << -up.transpose(), -p[1], p[0], 0, up.transpose();
@@ -22,6 +23,7 @@ struct HeightResidual {
   double height, sigma;  // [m]
   using Variables = variables<Pose3, Point3>;
   static constexpr int residual_dim = 1;
+  static constexpr auto fields() { return std::tuple(field("height", &HeightResidual::height), field("sigma", &HeightResidual::sigma)); }
   template <class T>
   VectorT<T, 1> residual(const Pose3T<T>& robot, const Point3T<T>& landmark) const {
     return VectorT<T, 1>((robot.to_body((landmark.value - robot.p).eval())[2] - height) / sigma);
