@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <iostream>
+#include <map>
 #include <random>
 #include <thread>
 
@@ -48,6 +49,24 @@ TEST_F(CliTrack, PrintsEachAgentAsItMoves) {
   }
   EXPECT_THAT(outcome.err, HasSubstr("23 measurements"));
   EXPECT_THAT(outcome.err, HasSubstr("RMSE to the vertices"));
+}
+
+// Names of other robots of one kind: r1234:0 is written r5299989643264 in files of other programs.
+TEST_F(CliTrack, TellsRobotsOfOneKindApart) {
+  const std::string noise = " 0.01 0 0 0.01 0 0.01\n";
+  const Outcome outcome = holdfast_program({"track",
+                                            write("robots.pyfg",
+                                                  "VERTEX_SE2 0 r1:0 0 0 0\nVERTEX_SE2 0 r5299989643264 0 3 0\n"
+                                                  "EDGE_SE2 1 r1:0 r1:1 1 0 0" +
+                                                      noise + "EDGE_SE2 1 r5299989643264 r1234:1 2 0 0" + noise),
+                                            "--lag", "2"});
+  EXPECT_EQ(outcome.code, kDone) << outcome.err;
+  std::map<std::string, double> x;
+  for (const auto& state : states_of(outcome.out))
+    if (state["t"] == 1) x[state["agent"].get<std::string>() + " " + state["key"].get<std::string>()] = state["p"][0].get<double>();
+  ASSERT_EQ(x.size(), 2u) << outcome.out;
+  EXPECT_NEAR(x["r1 r1:1"], 1, 1e-9);
+  EXPECT_NEAR(x["r1234 r1234:1"], 2, 1e-9);
 }
 
 TEST_F(CliTrack, AStreamGivesWhatTheFileGives) {

@@ -188,6 +188,19 @@ TEST(Schedule, AnAgentIsBoundWhileItIsThere) {
   EXPECT_EQ(robot.schedule.stream(later).count(Arrival::dropped), 8u);
 }
 
+TEST(Schedule, TellsAgentsOfOneKindApart) {
+  Robot robot;
+  constexpr Agent first('r', 1), second('r', 2);
+  for (const Agent agent : {first, second}) {
+    robot.window.add_agent(agent, WhiteAcceleration<Motion2>::exact(1, 1, 0.1 * Matrix<4, 4>::Identity()), 1.0);
+    robot.window.add_state(agent(0), 0.0, Motion2(0, 0, 0, 0));
+  }
+  const int stream = robot.schedule.expect<To>(second, L(0), 1.0, 1.0);
+  robot.schedule.receive(stream, 1, To{5, 0.1});
+  EXPECT_EQ(robot.window.newest_key(first), first(0));
+  EXPECT_EQ(robot.window.newest_key(second), second(1));
+}
+
 TEST(Schedule, IsSavedWithItsWindow) {
   const std::string path = ::testing::TempDir() + "holdfast_schedule";
   Robot whole, first;

@@ -220,6 +220,48 @@ TEST(Window, AgentsComeAndGo) {
     for (int i = 0; i < batch->size() * batch->arity(); ++i) EXPECT_EQ(batch->keys(0)[i].agent(), 'A');
 }
 
+TEST(Window, AgentsOfOneKindAreApart) {
+  const std::string path = ::testing::TempDir() + "holdfast_window_kind";
+  constexpr Agent first('r', 1), second('r', 2);
+  const auto two = [&](bool with_states) {
+    Window window(exact_options(1));
+    for (const Agent agent : {first, second}) {
+      window.add_agent(agent, motion(), kStep);
+      const Motion2 start(agent.number(), 1, 0, 0);
+      if (with_states) window.add_state(agent(0), 0.0, start);
+      if (with_states) window.add(start_prior(start), {agent(0)});
+    }
+    return window;
+  };
+  Window window = two(true);
+  for (int k = 1; k <= 5; ++k) {
+    const double t = kStep * k;
+    window.add(position({1 + t, 0}), {window.at(first, t)}, Squared{});
+    EXPECT_EQ(window.newest_key(first), first(static_cast<std::uint64_t>(k)));
+    EXPECT_EQ(window.newest_key(second), second(0));
+    window.step(t);
+  }
+  EXPECT_EQ(window.agents(), (std::vector<Agent>{first, second}));
+  EXPECT_FALSE(window.has_agent('r'));
+  window.add_landmark(Key('r', 0), Point2(1, 1));  // r0 is of agent r
+  EXPECT_THROW(window.add_landmark(second(9), Point2(1, 1)), BadKey);
+  try {
+    window.at(Agent('r', 3), 1);
+    ADD_FAILURE();
+  } catch (const BadKey& error) {
+    EXPECT_NE(std::string(error.what()).find("no agent r3 in"), std::string::npos) << error.what();
+  }
+  window.save(path);
+  Window resumed = two(false);
+  resumed.restore(path);
+  EXPECT_EQ(resumed.states(first), window.states(first));
+  EXPECT_EQ(resumed.states(second), window.states(second));
+  resumed.remove_agent(first);
+  EXPECT_EQ(resumed.agents(), std::vector<Agent>{second});
+  EXPECT_EQ(resumed.newest_key(second), second(0));
+  std::filesystem::remove(path);
+}
+
 TEST(Window, PosesBringTheirOdometryAndSeeLandmarks) {
   for (const std::string& backend : backend_names()) {
     if (backend != "irls" && backend != "ceres") continue;
@@ -493,6 +535,8 @@ TEST(Window, RefusesFilesThatAreTornForeignOrOfAnotherRobot) {
   std::string newer = good;
   newer[16] = 9;
   expect_refused(window, path, newer, "version 9");
+  newer[16] = 2;
+  expect_refused(window, path, newer, "version 2, and this program reads version 3; start a new window");
   WindowOptions options;
   Window other(options);
   other.add_agent('A', [](double seconds) { return WhiteAcceleration<Motion3>::continuous(seconds, 1); });
