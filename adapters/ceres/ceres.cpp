@@ -118,7 +118,7 @@ class LayoutManifold final : public ceres::Manifold {
   const BlockLayout& layout_;
 };
 
-bool is_plain(const Loss& loss, double weight) { return loss.kind == Loss::Kind::Squared && weight == 1; }
+bool needs_no_loss(const Loss& loss, double weight) { return loss.kind == Loss::Kind::Squared && weight == 1; }
 
 }  // namespace
 
@@ -132,13 +132,13 @@ ceres::LossFunction* ceres_loss(const Loss& loss, int residual_dim, double weigh
                     "' is none; give it to ceres_cost(factor, loss), which has it in the residual, or use ceres_add");
   const int d = std::max(1, residual_dim);
   loss.validate(d);
-  return is_plain(loss, weight) ? nullptr : new CeresLoss(loss, weight, d);
+  return needs_no_loss(loss, weight) ? nullptr : new CeresLoss(loss, weight, d);
 }
 
 ceres::CostFunction* detail::ceres_cost(const Term& term, const Layouts& layouts) { return new TermCost(term, layouts, false); }
 
 ceres::CostFunction* detail::ceres_folded_cost(const Term& term, const Layouts& layouts) {
-  if (!must_fold(term.loss(), term.residual_dim()) && !is_plain(term.loss(), term.weight()))
+  if (!must_fold(term.loss(), term.residual_dim()) && !needs_no_loss(term.loss(), term.weight()))
     fail<BadOption>(
         term.batch().name(), ": '", term.loss().str(),
         "' is a loss of the whole block, which Ceres has; leave it out of ceres_cost and give ceres_loss beside it, or use ceres_add");
