@@ -12,20 +12,19 @@
 // The residual is whitened (in sigmas). When J is null only the residual is wanted; otherwise every entry of J->all must be
 // written. Optional members, each unknown to those who do not ask:
 //   static const char* name();                              // for messages; without it the C++ type's name
-//   static constexpr auto fields();                         // its members by name, for files (graph/fields.hpp); without it it is not
-//   saved void validate() const;                                  // throws BadNumber; called by Graph::add static Loss default_loss(); //
-//   when the user gives none (otherwise Squared) double default_weight() const;                          // when the user gives none
-//   (otherwise 1) static constexpr bool is_linear = true;                 // constant Jacobian: r(x ⊕ δ) = r(x) + J δ exactly static
-//   constexpr bool is_convex = true;                 // ½‖r‖² is a convex function of the variables auto relaxed() const; // its convex
-//   counterpart (convex_start) const Pose2& relative_pose() const;                     // the second variable in the frame of the first, as
-//   measured; its noise in a
+//   static constexpr auto fields();                         // its members by name, for files (graph/fields.hpp); without it: not saved
+//   void validate() const;                                  // throws BadNumber; called by Graph::add
+//   static Loss default_loss();                             // when the user gives none (otherwise Squared)
+//   double default_weight() const;                          // when the user gives none (otherwise 1)
+//   static constexpr bool is_linear = true;                 // constant Jacobian: r(x ⊕ δ) = r(x) + J δ exactly
+//   static constexpr bool is_convex = true;                 // ½‖r‖² is a convex function of the variables
+//   auto relaxed() const;                                   // its convex counterpart (convex_start)
+//   const Pose2& relative_pose() const;                     // the second variable in the frame of the first, as measured; its noise in a
 //                                                           // member sqrt_information (chordal_start)
 //   auto merged(int m) const;                               // one factor for m empty steps (Window)
 //   Matrix<N, N> hessian(const V&... x) const;              // of ½‖r‖², by the tangents side by side (N = Variables::total_dim), exact
-//   where
-//                                                           // JᵀJ is a poor model of it. Of a convex factor it is positive semidefinite
-//                                                           (at a
-//                                                           // kink one of many); others may be indefinite, and say so
+//                                                           // where JᵀJ is a poor model of it. Of a convex factor it is positive
+//                                                           // semidefinite (at a kink one of many); others may be indefinite, and say so
 //   Residual raw(const Residual& r) const;                  // the residual r in the measurement's own units (outlier_report)
 #pragma once
 
