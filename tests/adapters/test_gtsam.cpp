@@ -169,7 +169,7 @@ TEST(GtsamGraph, EveryFileGoesThereAndBack) {
   if (files.empty()) GTEST_SKIP() << kNoFiles;
   for (const std::string& file : files) {
     SCOPED_TRACE(file);
-    const Problem problem = make_problem(read(file), {Huber{2}});
+    const Problem problem = make_problem(read_dataset(file), {Huber{2}});
     const Graph back = from_gtsam(to_gtsam(problem.graph, problem.start));
     const Values values = from_gtsam(to_gtsam(problem.start));
     EXPECT_EQ(back.size(), problem.graph.size());

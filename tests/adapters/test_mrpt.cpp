@@ -262,7 +262,7 @@ TEST(MrptNetwork, EveryPoseGraphFileGoesThereAndBack) {
   int read_files = 0;
   for (const std::string& file : data_files({".g2o", ".graph"})) {
     SCOPED_TRACE(file);
-    const Problem problem = make_problem(read(file));
+    const Problem problem = make_problem(read_dataset(file));
     const Key first = problem.start.keys().front();
     if (problem.start.contains<Pose2>(first))
       expect_round_trip<CNetworkOfPoses2DInf>(problem);

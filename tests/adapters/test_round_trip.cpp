@@ -32,7 +32,7 @@ TEST(RoundTrip, AFileThroughAGraphIsTheSameFile) {
   int count = 0;
   for (const std::string& file : data_files()) {
     SCOPED_TRACE(file);
-    const Dataset dataset = read(file);
+    const Dataset dataset = read_dataset(file);
     const Problem problem = make_problem(dataset);
     EXPECT_EQ(problem.factors.size(), dataset.edges.size());
     for (const Vertex& vertex : dataset.vertices) EXPECT_TRUE(problem.start.contains(vertex.key));
@@ -40,7 +40,7 @@ TEST(RoundTrip, AFileThroughAGraphIsTheSameFile) {
     const bool complete = back.vertices.size() == dataset.vertices.size();
     EXPECT_TRUE(!complete || text_of(back) == text_of(dataset));  // bit by bit, times, FIX and all
     std::istringstream text(text_of(dataset));
-    const Problem again = make_problem(parse(text, file));
+    const Problem again = make_problem(parse_dataset(text, file));
     EXPECT_EQ(again.graph.size(), problem.graph.size());
     EXPECT_EQ(again.graph.fixed(), problem.graph.fixed());
     EXPECT_EQ(again.graph.cost(again.start), problem.graph.cost(problem.start));
@@ -53,7 +53,7 @@ TEST(RoundTrip, AFileThroughAGraphIsTheSameFile) {
 TEST(RoundTrip, AGraphWithoutItsFileComesBackToRounding) {
   for (const std::string& file : data_files()) {
     SCOPED_TRACE(file);
-    const Dataset dataset = read(file);
+    const Dataset dataset = read_dataset(file);
     const Problem problem = make_problem(dataset);
     const Problem back = make_problem(to_dataset(problem.graph, problem.start, dataset.format));
     EXPECT_EQ(back.graph.size(), problem.graph.size());

@@ -94,6 +94,7 @@ TESTED_ELSEWHERE = {
     "graph/batch.hpp": "tests/graph/test_graph.cpp",
     "graph/error.hpp": "tests/graph/files/test_errors.cpp",
     "graph/factor.hpp": "tests/factors/test_every_factor.cpp",
+    "graph/fields.hpp": "tests/graph/files/test_binary.cpp",
     "graph/files/dataset.hpp": "tests/graph/files/test_formats.cpp",
     "graph/math.hpp": "tests/graph/variables/test_variables.cpp",
     "graph/observability.hpp": "tests/graph/test_check.cpp",

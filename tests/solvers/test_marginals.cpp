@@ -125,7 +125,7 @@ TEST(Marginals, TellAWeakReferenceOfAStiffChainFromNone) {
 bool is_free(const SmallProblem& problem) {
   const Resolved resolved(problem.graph, problem.start);
   bool found = false;
-  for (const Component& component : observability(problem.graph, resolved, problem.start))
+  for (const GraphComponent& component : observability(problem.graph, resolved, problem.start))
     found = found || !component.gauge.empty() || !component.directions.empty();
   EXPECT_EQ(found, !Marginals(problem.graph, problem.start).unobservable().empty());
   return found;
