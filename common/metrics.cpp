@@ -57,7 +57,7 @@ RangeCount count_ranges(const Graph& graph, const Values& values) {
     residuals.resize(static_cast<std::size_t>(batch.size()) * dim);
     batch.evaluate(values, resolved.batches()[b].index.data(), 0, batch.size(), residuals.data(), nullptr);
     for (int i = 0; i < batch.size(); ++i)
-      if (is_rejected(relative_weight(batch.loss(), &residuals[static_cast<std::size_t>(i) * dim], dim))) ++count.rejected;
+      if (is_rejected(relative_weight(batch.loss(i), &residuals[static_cast<std::size_t>(i) * dim], dim))) ++count.rejected;
     count.ranges += batch.size();
   }
   return count;

@@ -24,15 +24,16 @@
 //   auto merged(int m) const;                               // one factor for m empty steps (Window)
 //   Matrix<N, N> hessian(const V&... x) const;              // of ½‖r‖², by the tangents side by side (N = Variables::total_dim), exact
 //                                                           // where JᵀJ is a poor model of it. Of a convex factor it is positive
-//                                                           // semidefinite (at a kink one of many); others may be indefinite, and say so
+//                                                           // semidefinite (at a kink one of many); others may be indefinite, and say so.
+//                                                           // Asked for by Curvature::exact
 //   Residual raw(const Residual& r) const;                  // the residual r in the measurement's own units (outlier_report)
 #pragma once
 
 #include <array>
+#include <holdfast/graph/detail/demangled.hpp>
 #include <holdfast/graph/fields.hpp>
 #include <holdfast/graph/manifold.hpp>
 #include <tuple>
-#include <typeinfo>
 #include <utility>
 
 namespace holdfast {
@@ -112,7 +113,6 @@ template <class F, class = void>
 struct HasRelativePose : std::false_type {};
 template <class F>
 struct HasRelativePose<F, std::void_t<decltype(std::declval<const F&>().relative_pose())>> : std::true_type {};
-std::string demangled(const std::type_info& type);
 }  // namespace detail
 
 template <class F>
@@ -120,6 +120,10 @@ inline constexpr bool is_linear = detail::IsLinear<F>::value;
 /// A linear factor is convex, too.
 template <class F>
 inline constexpr bool is_convex = detail::IsConvex<F>::value || detail::IsLinear<F>::value;
+
+/// It says hessian().
+template <class F>
+inline constexpr bool has_hessian = detail::HasHessian<F>::value;
 
 /// "RangeBall": what messages call a factor.
 template <class F>

@@ -51,7 +51,8 @@ void Graph::rethrow_named(const std::string& name, const Key* keys, std::size_t 
   fail<BadNumber>(described(name, keys, count), ": ", error.what());
 }
 
-FactorId Graph::enter(FactorBatch& batch, const Key* keys, double weight) {
+// The factor itself is in the batch already.
+FactorId Graph::enter(FactorBatch& batch, const Key* keys, double weight, const Loss& loss) {
   const auto it = std::find_if(batches_.begin(), batches_.end(), [&](const auto& b) { return b.get() == &batch; });
   int number = static_cast<int>(places_.size());
   if (free_.empty()) {
@@ -60,12 +61,10 @@ FactorId Graph::enter(FactorBatch& batch, const Key* keys, double weight) {
     number = free_.back();
     free_.pop_back();
   }
+  batch.push_entries(keys, weight, loss, number);
   Place& place = places_[number];
   place.batch = static_cast<int>(it - batches_.begin());
   place.index = batch.size() - 1;
-  batch.keys_.insert(batch.keys_.end(), keys, keys + batch.arity());
-  batch.weights_.push_back(weight);
-  batch.ids_.push_back(number);
   structure_ = new_structure_stamp();
   return {number, place.generation};
 }
@@ -73,10 +72,6 @@ FactorId Graph::enter(FactorBatch& batch, const Key* keys, double weight) {
 FactorBatch& Graph::add_batch(std::unique_ptr<FactorBatch> batch) {
   batches_.push_back(std::move(batch));
   return *batches_.back();
-}
-
-FactorId Graph::add_batch(std::unique_ptr<FactorBatch> batch, const std::vector<Key>& keys) {
-  return enter(add_batch(std::move(batch)), keys.data(), 1.0);
 }
 
 Graph::Numbers Graph::numbers() const {
@@ -108,7 +103,7 @@ FactorId Graph::add(const LinearPrior& prior) {
                          [](const auto& b) { return b->factor_type() == typeid(LinearPrior) && b->size() == 0; });
   if (it == batches_.end()) it = batches_.insert(it, std::make_unique<LinearPriorBatch>());
   static_cast<LinearPriorBatch&>(**it).hold(prior);
-  return enter(**it, prior.keys.data(), 1.0);
+  return enter(**it, prior.keys.data(), 1.0, Squared{});
 }
 
 bool Graph::contains(FactorId id) const {
@@ -132,20 +127,17 @@ FactorId Graph::id_of(int batch, int index) const {
 
 void Graph::remove(FactorId id) {
   const Place gone = checked(id);
-  FactorBatch& batch = *batches_[gone.batch];
-  batch.remove(gone.index);
-  const std::size_t arity = batch.dims_.size();
-  std::copy(batch.keys_.end() - static_cast<std::ptrdiff_t>(arity), batch.keys_.end(),
-            batch.keys_.begin() + static_cast<std::ptrdiff_t>(gone.index * arity));
-  batch.keys_.resize(batch.keys_.size() - arity);
-  batch.weights_[gone.index] = batch.weights_.back();
-  batch.weights_.pop_back();
-  places_[batch.ids_.back()].index = gone.index;
-  batch.ids_[gone.index] = batch.ids_.back();
-  batch.ids_.pop_back();
+  take_out(gone);
   places_[id.number] = {-1, -1, gone.generation + 1};
   free_.push_back(id.number);
   structure_ = new_structure_stamp();
+}
+
+void Graph::take_out(const Place& place) {
+  FactorBatch& batch = *batches_[place.batch];
+  batch.erase(place.index);
+  places_[batch.ids_.back()].index = place.index;
+  batch.erase_entries(place.index);
 }
 
 void Graph::set_weight(FactorId id, double weight) {
@@ -161,13 +153,34 @@ void Graph::require_batch(int batch) const {
     fail<BadKey>("batch ", batch, " is not in the graph: it has ", batches_.size(), "; ask batches() or place(id)");
 }
 
-void Graph::set_loss(int batch, const Loss& loss) {
-  require_batch(batch);
-  loss.validate(batches_[batch]->residual_dim());
-  if (batches_[batch]->factor_type() == typeid(LinearPrior) && loss.kind != Loss::Kind::Squared)
+void Graph::validate_loss(const FactorBatch& batch, const Loss& loss) const {
+  loss.validate(batch.residual_dim());
+  if (batch.factor_type() == typeid(LinearPrior) && loss.kind != Loss::Kind::Squared)
     fail<BadOption>("LinearPrior: its loss is squared, since its terms were weighed when it was made; ", loss.str(),
                     " cannot be laid on them");
-  batches_[batch]->loss_ = loss;
+}
+
+void Graph::set_loss(int batch, const Loss& loss) {
+  require_batch(batch);
+  validate_loss(*batches_[batch], loss);
+  batches_[batch]->losses_.assign(1, loss);
+}
+
+void Graph::set_loss(FactorId id, const Loss& loss) {
+  const Place from = checked(id);
+  FactorBatch& batch = *batches_[from.batch];
+  validate_loss(batch, loss);
+  if (batch.family().is_of_family(loss) || batch.size() == 1) return batch.set_loss_of(from.index, loss);
+  auto to = std::find_if(batches_.begin(), batches_.end(), [&](const auto& other) {
+    return other->factor_type() == batch.factor_type() && other->family().is_of_family(loss);
+  });
+  if (to == batches_.end()) to = batches_.insert(to, batch.make_empty(loss));
+  (*to)->push_from(batch, from.index);
+  (*to)->push_entries(batch.keys(from.index), batch.weight(from.index), loss, id.number);
+  take_out(from);
+  places_[id.number].batch = static_cast<int>(to - batches_.begin());
+  places_[id.number].index = (*to)->size() - 1;
+  structure_ = new_structure_stamp();
 }
 
 void Graph::fix(Key key) {
@@ -184,12 +197,15 @@ Graph Graph::relaxed() const {
   convex.free_ = free_;
   convex.fixed_ = fixed_;
   for (const auto& batch : batches_) {
-    auto counterpart = batch->relaxed();
-    Loss loss = batch->loss().relaxed();
-    if (counterpart && loss.one_sided) loss = Squared{};  // robust where a range is too long, which a ball does not see
-    if (counterpart) loss.per_component = false;          // its components are others
-    convex.batches_.push_back(counterpart ? std::move(counterpart) : batch->clone());
-    convex.batches_.back()->loss_ = loss;
+    auto counterpart = batch->relaxed_factors();
+    const bool is_other = counterpart != nullptr;
+    if (is_other) counterpart->take_place_of(*batch);
+    convex.batches_.push_back(is_other ? std::move(counterpart) : batch->clone());
+    for (Loss& loss : convex.batches_.back()->losses_) {
+      loss = loss.relaxed();
+      if (is_other && loss.one_sided) loss = Squared{};  // robust where a range is too long, which a ball does not see
+      if (is_other) loss.per_component = false;          // its components are others
+    }
   }
   return convex;
 }

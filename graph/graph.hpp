@@ -53,7 +53,7 @@ class Graph {
     if constexpr (detail::HasValidate<F>::value) validated(factor, keys.data(), keys.size());
     Batch<F>& batch = batch_for<F>(loss);
     batch.factors_.push_back(factor);
-    return enter(batch, keys.data(), weight);
+    return enter(batch, keys.data(), weight, loss);
   }
   /// The factor of run-time size (graph/linear_prior.hpp). Throws BadNumber, BadKey.
   FactorId add(const LinearPrior& prior);
@@ -81,6 +81,9 @@ class Graph {
   void set_weight(FactorId id, double weight);
   /// Changes the loss of a whole batch; the structure stays. Throws BadKey, BadNumber, BadOption.
   void set_loss(int batch, const Loss& loss);
+  /// Changes the loss of one factor. Within its family (another threshold) the structure stays; a loss of another kind, or with other
+  /// flags, moves it to another batch: the id stays valid, the structure is a new one. Throws BadKey, BadNumber, BadOption.
+  void set_loss(FactorId id, const Loss& loss);
 
   /// A fixed variable is a constant of the problem.
   void fix(Key key);
@@ -128,18 +131,17 @@ class Graph {
   Numbers numbers() const;
   /// Of a graph without factors. `free` holds every number once. Throws BadKey.
   void set_numbers(const Numbers& numbers);
-  /// An empty batch becomes the last one. Whoever has put one more factor into it then gives that its keys and weight.
+  /// An empty batch becomes the last one. Whoever has put one more factor into it then gives that its keys, weight and loss, which is of
+  /// the batch's family.
   FactorBatch& add_batch(std::unique_ptr<FactorBatch> batch);
-  FactorId enter(FactorBatch& batch, const Key* keys, double weight);
-  /// Enters a batch made elsewhere (a factor of run-time size); it must hold exactly one factor whose keys are given.
-  FactorId add_batch(std::unique_ptr<FactorBatch> batch, const std::vector<Key>& keys);
+  FactorId enter(FactorBatch& batch, const Key* keys, double weight, const Loss& loss);
 
  private:
   template <class F>
   Batch<F>& batch_for(const Loss& loss) {
     (void)detail::factor_type_is_entered<F>;
     for (auto& batch : batches_)
-      if (batch->factor_type() == typeid(F) && batch->loss() == loss) return static_cast<Batch<F>&>(*batch);
+      if (batch->factor_type() == typeid(F) && batch->family().is_of_family(loss)) return static_cast<Batch<F>&>(*batch);
     batches_.push_back(std::make_unique<Batch<F>>(loss));
     return static_cast<Batch<F>&>(*batches_.back());
   }
@@ -153,8 +155,10 @@ class Graph {
   }
   void check_new(std::string (*name)(), const Key* keys, std::size_t count, const Loss& loss, int residual_dim, double weight) const;
   [[noreturn]] void rethrow_named(const std::string& name, const Key* keys, std::size_t count, const BadNumber& error) const;
+  void validate_loss(const FactorBatch& batch, const Loss& loss) const;
   const Place& checked(FactorId id) const;
   void require_batch(int batch) const;
+  void take_out(const Place& place);
 
   std::vector<std::unique_ptr<FactorBatch>> batches_;
   std::vector<Place> places_;  ///< by FactorId::number

@@ -1,17 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <holdfast/graph/internal/scratch.hpp>
 #include <holdfast/graph/linear_prior.hpp>
 
 namespace holdfast {
 namespace {
-
-/// Memory of this thread, kept: solving allocates nothing.
-template <int Purpose>
-double* scratch(std::size_t size) {
-  static thread_local std::vector<double> memory;
-  if (memory.size() < size) memory.resize(size);
-  return memory.data();
-}
 
 /// The ambient coordinates of the variables.
 const double* const* gather(const Values& values, const std::vector<const PoolBase*>& types, const int* index) {
@@ -75,27 +68,25 @@ void LinearPrior::validate() const {
                       " is not finite; leave the prior out");
 }
 
-LinearPriorBatch::LinearPriorBatch() : FactorBatch("LinearPrior", Squared{}) {}
+LinearPriorBatch::LinearPriorBatch() : FactorBatch("LinearPrior", typeid(LinearPrior), Squared{}) {}
 
 void LinearPriorBatch::hold(const LinearPrior& prior) {
   prior_ = prior;
-  size_ = 1;
   types_.clear();
   type_names_.clear();
   dims_.clear();
-  is_linear_ = true;
+  bool linear = true;
   for (const PoolBase* type : prior.types) {
     types_.push_back(type->type());
     type_names_.push_back(type->type_name());
     dims_.push_back(type->dim());
-    is_linear_ = is_linear_ && type->is_vector_space();
+    linear = linear && type->is_vector_space();
   }
-  total_dim_ = prior_.columns();
-  stride_ = total_dim_ * (total_dim_ + 1) / 2 + total_dim_ + 1;  // with the whole diagonal blocks:
-  for (int d : dims_) stride_ += d * (d - 1) / 2;
-  const int n = total_dim_;
-  H_.assign(is_linear_ ? static_cast<std::size_t>(n) * n : 0, 0.0);
-  if (is_linear_) add_product(prior_.A.data(), prior_.A.data(), prior_.rows, n, n, H_.data());
+  set_sizes(prior_.rows);
+  is_linear_ = is_convex_ = linear;
+  const int n = total_dim();
+  JtJ_.assign(linear ? static_cast<std::size_t>(n) * n : 0, 0.0);
+  if (linear) add_product(prior_.A.data(), prior_.A.data(), prior_.rows, n, n, JtJ_.data());
 }
 
 // δ_k = x0_k.local(x_k).
@@ -104,7 +95,7 @@ void LinearPriorBatch::local(const double* const* x, double* delta) const {
   for (int k = 0; k < arity(); ++k) {
     prior_.types[k]->local_ambient(at, x[k], delta);
     at += prior_.types[k]->ambient();
-    delta += dims_[k];
+    delta += dims()[k];
   }
 }
 
@@ -112,7 +103,7 @@ void LinearPriorBatch::local(const double* const* x, double* delta) const {
 void LinearPriorBatch::residual(const double* delta, double* r) const {
   const int m = prior_.rows;
   std::copy(prior_.b.begin(), prior_.b.end(), r);
-  for (int c = 0; c < total_dim_; ++c)
+  for (int c = 0; c < total_dim(); ++c)
     for (int k = 0; k < m; ++k) r[k] += prior_.A[static_cast<std::size_t>(c) * m + k] * delta[c];
 }
 
@@ -124,9 +115,9 @@ void LinearPriorBatch::times_local_jacobians(const double* const* x, double* J) 
   const double* A = prior_.A.data();
   for (int k = 0; k < arity(); ++k) {
     const PoolBase& type = *prior_.types[k];
-    const int d = dims_[k];
+    const int d = dims()[k];
     if (!type.is_vector_space()) {
-      double* D = scratch<0>(static_cast<std::size_t>(d) * d);
+      double* D = scratch<struct LocalJacobian>(static_cast<std::size_t>(d) * d);
       type.local_jacobian_ambient(at, x[k], D);
       Eigen::Map<Eigen::MatrixXd>(J, m, d).noalias() =
           Eigen::Map<const Eigen::MatrixXd>(A, m, d) * Eigen::Map<const Eigen::MatrixXd>(D, d, d);
@@ -142,92 +133,10 @@ void LinearPriorBatch::evaluate(const Values& values, const int* index, int firs
 }
 
 void LinearPriorBatch::evaluate_at(int, const double* const* x, double* r, double* J) const {
-  double* delta = scratch<1>(total_dim_);
+  double* delta = scratch<struct Delta>(total_dim());
   local(x, delta);
   residual(delta, r);
   if (J != nullptr) times_local_jacobians(x, J);
-}
-
-double* LinearPriorBatch::gradient_and_cost(const double* r, const double* J, double* out) const {
-  const int m = prior_.rows;
-  std::fill(out, out + total_dim_, 0.0);
-  add_product(J, r, m, total_dim_, 1, out);
-  for (int c = 0; c < total_dim_; ++c) out[c] *= weights_[0];
-  double s = 0;
-  for (int k = 0; k < m; ++k) s += r[k] * r[k];
-  out[total_dim_] = 0.5 * weights_[0] * s;
-  return out + total_dim_ + 1;
-}
-
-void LinearPriorBatch::contributions(const Values& values, const int* index, int first, int last, Curvature curvature, double* out) const {
-  if (first >= last) return;
-  const int m = prior_.rows;
-  double* r = scratch<2>(m);
-  if (is_linear_) {
-    evaluate(values, index, first, last, r, nullptr);
-    return contributions_at(r, prior_.A.data(), first, last, curvature, out);
-  }
-  double* J = scratch<3>(static_cast<std::size_t>(m) * total_dim_);
-  evaluate(values, index, first, last, r, J);
-  contributions_at(r, J, first, last, curvature, out);
-}
-
-// Squared: all three curvatures are w JᵀJ, and where J is A, AᵀA is known.
-void LinearPriorBatch::contributions_at(const double* r, const double* J, int first, int last, Curvature, double* out) const {
-  if (first >= last) return;
-  const int m = prior_.rows, n = total_dim_;
-  const double w = weights_[0];
-  int column = 0;
-  for (int b = 0; b < arity(); column += dims_[b++]) {
-    int row = column;
-    for (int a = b; a < arity(); row += dims_[a++]) {
-      const int rows = dims_[a], cols = dims_[b];
-      std::fill(out, out + rows * cols, 0.0);
-      if (is_linear_)
-        for (int c = 0; c < cols; ++c) std::copy_n(&H_[static_cast<std::size_t>(column + c) * n + row], rows, out + c * rows);
-      else
-        add_product(J + static_cast<std::ptrdiff_t>(row) * m, J + static_cast<std::ptrdiff_t>(column) * m, m, rows, cols, out);
-      if (w != 1)
-        for (int k = 0; k < rows * cols; ++k) out[k] *= w;
-      out += rows * cols;
-    }
-  }
-  gradient_and_cost(r, J, out);
-}
-
-void LinearPriorBatch::apply_jacobians(const double* J, const int* offsets, int first, int last, const double* delta, double* out) const {
-  if (first >= last) return;
-  const int m = prior_.rows;
-  std::fill(out, out + m, 0.0);
-  for (int k = 0; k < arity(); ++k)
-    for (int c = 0; c < dims_[k]; ++c, J += m)
-      if (offsets[k] >= 0)
-        for (int row = 0; row < m; ++row) out[row] += J[row] * delta[offsets[k] + c];
-}
-
-void LinearPriorBatch::curvatures(const Values& values, const Values& moved, double h, const double* delta, const int* index,
-                                  const int* offsets, int first, int last, double* out) const {
-  if (first >= last) return;
-  const int m = prior_.rows;
-  std::fill(out, out + total_dim_ + 1, 0.0);
-  if (is_linear_) return;
-  double* r = scratch<2>(m);
-  double* J = scratch<3>(static_cast<std::size_t>(m) * total_dim_);
-  double* r_moved = scratch<4>(m);
-  double* Jd = scratch<5>(m);
-  evaluate(moved, index, first, last, r_moved, nullptr);
-  evaluate(values, index, first, last, r, J);
-  apply_jacobians(J, offsets, first, last, delta, Jd);
-  for (int k = 0; k < m; ++k) r[k] = weights_[0] * 2 / h * ((r_moved[k] - r[k]) / h - Jd[k]);
-  add_product(J, r, m, total_dim_, 1, out);
-}
-
-void LinearPriorBatch::gradients(const Values& values, const int* index, int first, int last, double* out) const {
-  if (first >= last) return;
-  double* r = scratch<2>(prior_.rows);
-  double* J = scratch<3>(static_cast<std::size_t>(prior_.rows) * total_dim_);
-  evaluate(values, index, first, last, r, J);
-  gradient_and_cost(r, J, out);
 }
 
 }  // namespace holdfast

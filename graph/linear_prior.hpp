@@ -46,33 +46,19 @@ class LinearPriorBatch final : public FactorBatch {
   void hold(const LinearPrior& prior);
   const LinearPrior& prior() const { return prior_; }
 
-  std::type_index factor_type() const override { return typeid(LinearPrior); }
-  int size() const override { return size_; }
-  int residual_dim() const override { return prior_.rows; }
-  bool is_linear() const override { return is_linear_; }
-  bool is_convex() const override { return is_linear_; }
-
   void evaluate(const Values& values, const int* index, int first, int last, double* r, double* J) const override;
   void evaluate_at(int i, const double* const* ambient, double* r, double* J) const override;
-  void contributions(const Values& values, const int* index, int first, int last, Curvature curvature, double* out) const override;
-  void contributions_at(const double* r, const double* J, int first, int last, Curvature curvature, double* out) const override;
-  void apply_jacobians(const double* J, const int* offsets, int first, int last, const double* delta, double* out) const override;
-  void curvatures(const Values& values, const Values& moved, double h, const double* delta, const int* index, const int* offsets, int first,
-                  int last, double* out) const override;
-  void gradients(const Values& values, const int* index, int first, int last, double* out) const override;
   std::unique_ptr<FactorBatch> clone() const override { return std::make_unique<LinearPriorBatch>(*this); }
-  void remove(int) override { size_ = 0; }
 
  private:
+  std::unique_ptr<FactorBatch> make_empty(const Loss&) const override { return std::make_unique<LinearPriorBatch>(); }
+  void push_from(const FactorBatch& other, int) override { hold(static_cast<const LinearPriorBatch&>(other).prior_); }
+  void erase(int) override {}
   void local(const double* const* x, double* delta) const;
   void residual(const double* delta, double* r) const;
   void times_local_jacobians(const double* const* x, double* J) const;
-  double* gradient_and_cost(const double* r, const double* J, double* out) const;
 
   LinearPrior prior_;
-  int size_ = 0;
-  bool is_linear_ = true;
-  std::vector<double> H_;  ///< AᵀA
 };
 
 }  // namespace holdfast

@@ -24,7 +24,7 @@ std::string factor_line(const FactorBatch& batch, int i) {
   std::ostringstream line;
   line.imbue(std::locale::classic());
   line << "\n  " << batch.describe(i);
-  if (const std::string loss = batch.loss().str(); loss != Loss{}.str()) line << ", loss " << loss;
+  if (const std::string loss = batch.loss(i).str(); loss != Loss{}.str()) line << ", loss " << loss;
   if (batch.weight(i) != 1) line << ", weight " << batch.weight(i);
   return line.str();
 }

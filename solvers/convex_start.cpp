@@ -103,7 +103,7 @@ Values at_centroid(const Graph& graph, const Values& values) {
 
 bool all_convex(const Graph& graph) {
   return std::all_of(graph.batches().begin(), graph.batches().end(),
-                     [](const auto& batch) { return batch->is_convex() && batch->loss().is_convex(); });
+                     [](const auto& batch) { return batch->is_convex() && batch->family().is_convex(); });
 }
 
 void add_up(const Summary& first, Summary& second) {

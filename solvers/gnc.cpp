@@ -8,11 +8,12 @@ namespace holdfast {
 namespace {
 
 constexpr double kMostTruncatedMu = 1e9;  // the band between ω = 1 and ω = 0 has closed
+constexpr double kFirstWidth = 4.0 / 9;   // the least ω of a widened loss in the first reweighing
+constexpr double kMostWidth = 1e18;       // of μ, for a loss that weighs less than this however wide it is
 
 bool is_graduated(const FactorBatch& batch) {
-  const Loss& loss = batch.loss();
-  const bool kind = loss.kind == Loss::Kind::TruncatedSquares || loss.kind == Loss::Kind::GemanMcClure;
-  return kind && (batch.residual_dim() == 1 || !(loss.per_component || loss.one_sided));
+  const Loss& loss = batch.family();
+  return !loss.is_convex() && (batch.residual_dim() == 1 || !(loss.per_component || loss.one_sided));
 }
 
 double truncated_weight(double u, double mu) {
@@ -21,9 +22,9 @@ double truncated_weight(double u, double mu) {
   return std::clamp(std::sqrt(mu * (mu + 1) / u) - mu, 0.0, 1.0);
 }
 
-double geman_mcclure_weight(double u, double mu) {
-  const double root = mu / (u + mu);
-  return root * root;
+/// Of μ ρ(s/μ), relative to that at 0.
+double widened_weight(const Loss& loss, double s, int d, double mu) {
+  return std::clamp(loss.rho(s / mu, d).first / loss.rho(0, d).first, 0.0, 1.0);
 }
 
 void add_up(const Summary& inner, Summary& summary, int& iterations) {
@@ -58,7 +59,9 @@ class Gnc::Run {
       if (!is_graduated(batch)) continue;
       for (int i = 0; i < batch.size(); ++i) {
         weights_.push_back({original.id_of(static_cast<int>(b), i), 1.0});
-        terms_.push_back({static_cast<int>(b), i, batch.loss(), batch.weight(i), known[b][i], 0});
+        const Loss& loss = batch.loss(i);
+        const double slope = loss.rho(0, batch.residual_dim()).first;
+        terms_.push_back({static_cast<int>(b), i, loss, batch.weight(i), slope, known[b][i], false, 0});
       }
       squared.set_loss(static_cast<int>(b), Squared{});
     }
@@ -67,23 +70,25 @@ class Gnc::Run {
   const Resolved resolved;
   Graph squared;
 
-  bool arrived() const { return truncated_arrived_ && geman_mcclure_mu_ <= 1; }
+  bool arrived() const { return truncated_arrived_ && width_ <= 1; }
 
-  /// μ from the largest u.
+  /// Both μ from the largest residuals.
   void begin(const Values& values) {
     measure(values);
-    double truncated = 0, geman_mcclure = 0;
-    for (const Term& term : terms_)
-      if (!term.known) {
-        double& largest = is_truncated(term) ? truncated : geman_mcclure;
-        largest = std::max(largest, term.u);
-      }
+    double truncated = 0;
+    width_ = 1;
+    for (const Term& term : terms_) {
+      if (term.known) continue;
+      if (is_truncated(term))
+        truncated = std::max(truncated, term.s / (term.loss.scale * term.loss.scale));
+      else
+        width_ = std::max(width_, first_width(term));
+    }
     truncated_mu_ = truncated > 0.5 ? std::min(1 / (2 * truncated - 1), kMostTruncatedMu) : kMostTruncatedMu;
-    geman_mcclure_mu_ = std::max(1.0, 2 * geman_mcclure);
   }
   void advance(double factor) {
     if (!truncated_arrived_) truncated_mu_ = std::min(truncated_mu_ * factor, kMostTruncatedMu);
-    geman_mcclure_mu_ = std::max(1.0, geman_mcclure_mu_ / factor);
+    width_ = std::max(1.0, width_ / factor);
   }
   /// ω at these values for the current μ, into the squared problem; returns the largest change.
   double reweigh(const Values& values) {
@@ -93,12 +98,12 @@ class Gnc::Run {
     for (std::size_t t = 0; t < terms_.size(); ++t) {
       const Term& term = terms_[t];
       const double w = term.known           ? 1
-                       : is_truncated(term) ? truncated_weight(term.u, truncated_mu_)
-                                            : geman_mcclure_weight(term.u, geman_mcclure_mu_);
+                       : is_truncated(term) ? truncated_weight(term.s / (term.loss.scale * term.loss.scale), truncated_mu_)
+                                            : widened_weight(term.loss, term.s, rows_of(term), width_);
       if (is_truncated(term) && w > 0 && w < 1 && truncated_mu_ < kMostTruncatedMu) truncated_arrived_ = false;
       change = std::max(change, std::abs(w - weights_[t].weight));
       weights_[t].weight = w;
-      squared.set_weight(weights_[t].id, term.weight * w);
+      squared.set_weight(weights_[t].id, term.weight * w * (term.is_harmless ? 1 : term.slope));
     }
     return change;
   }
@@ -108,10 +113,22 @@ class Gnc::Run {
     int batch, index;
     Loss loss;
     double weight;
+    double slope;  ///< ρ'(0): not 1 for StudentT
     bool known;
-    double u;
+    bool is_harmless;  ///< on the squared side of a one-sided term
+    double s;          ///< ‖r‖², 0 on the squared side
   };
   static bool is_truncated(const Term& term) { return term.loss.kind == Loss::Kind::TruncatedSquares; }
+
+  int rows_of(const Term& term) const { return squared.batches()[term.batch]->residual_dim(); }
+
+  /// The μ at which this term weighs 4/9: 2u for Geman–McClure (Yang et al., remark 5); of other losses the first power of 2 that does.
+  double first_width(const Term& term) const {
+    if (term.loss.kind == Loss::Kind::GemanMcClure) return 2 * term.s / (term.loss.scale * term.loss.scale);
+    double mu = 1;
+    while (mu < kMostWidth && widened_weight(term.loss, term.s, rows_of(term), mu) < kFirstWidth) mu *= 2;
+    return mu;
+  }
 
   void measure(const Values& values) {
     std::vector<double> r;
@@ -121,13 +138,14 @@ class Gnc::Run {
       batch.evaluate(values, resolved.batches()[term.batch].index.data(), term.index, term.index + 1, r.data(), nullptr);
       double s = 0;
       for (double x : r) s += x * x;
-      term.u = term.loss.one_sided && r[0] > 0 ? 0 : s / (term.loss.scale * term.loss.scale);
+      term.is_harmless = term.loss.one_sided && r[0] > 0;
+      term.s = term.is_harmless ? 0 : s;
     }
   }
 
   std::vector<Term> terms_;
   std::vector<TermWeight>& weights_;
-  double truncated_mu_ = 0, geman_mcclure_mu_ = 1;
+  double truncated_mu_ = 0, width_ = 1;  // μ of truncated squares, and of widened losses
   bool truncated_arrived_ = false;
 };
 
@@ -146,7 +164,7 @@ Gnc::Gnc(std::unique_ptr<Backend> inner, GncOptions chosen) : gnc_options(std::m
 double Gnc::weight(FactorId id) const {
   for (const TermWeight& term : weights_)
     if (term.id.number == id.number && term.id.generation == id.generation) return term.weight;
-  fail<BadKey>("factor #", id.number, " has no weight: GNC weighs TruncatedSquares and GemanMcClure terms of the graph it solved last");
+  fail<BadKey>("factor #", id.number, " has no weight: GNC weighs terms of the graph it solved last whose loss is not convex");
 }
 
 Summary Gnc::solve_inner(const Graph& squared, Values& x, const Stopwatch& watch) {

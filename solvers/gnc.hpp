@@ -5,13 +5,18 @@
 //   Summary s = backend->solve(graph, values);
 //   for (const Gnc::TermWeight& t : backend->weights()) …   // which measurements were believed
 //
-// Terms with the loss TruncatedSquares{c} (GNC-TLS) or GemanMcClure{c} (GNC-GM), as a block or of one component, become squared terms with
-// a weight ω that starts at 1; other terms stay as they are. With u = ‖r‖²/c², after every solve of the inner back-end:
+// Terms whose loss is not convex (Loss::is_convex; users' own, too), as a block or of one component, become squared terms with a weight ω
+// that starts at 1; other terms stay as they are. TruncatedSquares{c} (GNC-TLS), with u = ‖r‖²/c², after every solve of the inner back-end:
 //
-//   TLS:  ω = 1 for u ≤ μ/(μ+1), 0 for u ≥ (μ+1)/μ, else √(μ(μ+1)/u) − μ;   μ ← μ · mu_factor from 1/(2 u_max − 1)   until all ω are 0 or 1
-//   GM:   ω = (μ/(u+μ))²;                                                    μ ← μ / mu_factor from 2 u_max           until μ = 1: ω = ρ'
+//   ω = 1 for u ≤ μ/(μ+1), 0 for u ≥ (μ+1)/μ, else √(μ(μ+1)/u) − μ;   μ ← μ · mu_factor from 1/(2 u_max − 1)   until all ω are 0 or 1
 //
-// u_max: the largest u of these terms after the first solve (all ω = 1). One-sided terms keep ω = 1 on their squared side (r > 0).
+// Every other loss is widened to μ ρ(s/μ), which goes to s as μ grows. With s = ‖r‖²:
+//
+//   ω = ρ'(s/μ) / ρ'(0);   μ ← μ / mu_factor from where the least ω is about 4/9   until μ = 1: ω = ρ'(s) / ρ'(0)
+//
+// For GemanMcClure{c} that is GNC-GM: ω = (μ/(u+μ))² from μ = 2 u_max. u_max: the largest u of these terms after the first solve.
+// One-sided terms keep ω = 1 on their squared side (r > 0).
+//
 // Once μ has arrived, it stays, and the solve ends when the weights no longer change, or Graph::cost changes by no more than
 // cost_tolerance of it. The structure of the inner problem never changes, so that the inner back-end uses its symbolic work again.
 #pragma once

@@ -52,7 +52,7 @@ std::vector<MeasurementReport> outlier_report(const Graph& graph, const Values& 
       batch.evaluate(values, resolved.batches()[b].index.data(), i, i + 1, one.whitened.data(), nullptr);
       if (type == nullptr || !type->raw(batch, i, one.whitened.data(), one.raw.data())) one.raw.clear();
       if (std::isfinite(batch.cost_of(i, one.whitened.data(), nullptr))) {  // a residual whose square overflows is of no use either
-        one.weight = relative_weight(batch.loss(), one.whitened.data(), batch.residual_dim());
+        one.weight = relative_weight(batch.loss(i), one.whitened.data(), batch.residual_dim());
         one.verdict = is_rejected(one.weight) ? Verdict::outlier : Verdict::inlier;
       }
       report.push_back(std::move(one));

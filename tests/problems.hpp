@@ -27,11 +27,20 @@ inline Loss default_loss(int kind) {
   return all[kind];
 }
 
-/// Every kind per block and per component, and one-sided where a residual of this size has a sign.
+/// A loss as a user writes one: c² ln(1 + s/c²).
+struct UsersLoss {
+  double c = 2;
+  Rho rho(double s) const {
+    const double u = 1 / (1 + s / (c * c));
+    return {c * c * std::log1p(s / (c * c)), u, -u * u / (c * c)};
+  }
+};
+
+/// Every kind and a user's own, per block and per component, and one-sided where a residual of this size has a sign.
 inline std::vector<Loss> every_loss(int residual_dim) {
   std::vector<Loss> all;
-  for (int kind = 0; kind < kLossKinds; ++kind) {
-    const Loss loss = default_loss(kind);
+  for (int kind = 0; kind <= kLossKinds; ++kind) {
+    const Loss loss = kind < kLossKinds ? default_loss(kind) : Loss(UsersLoss{});
     all.insert(all.end(), {loss, per_component(loss), one_sided(per_component(loss))});
     if (residual_dim == 1) all.push_back(one_sided(loss));
   }
@@ -62,6 +71,8 @@ inline double reference_rho(const Loss& loss, double s, int d) {
       return std::min(s, c2);
     case Loss::Kind::StudentT:
       return (c + d) * std::log(1 + s / c);
+    case Loss::Kind::Own:
+      return loss.rho(s, d).value;
   }
   return NAN;
 }
@@ -90,6 +101,8 @@ inline double reference_slope(const Loss& loss, double s, int d) {
       return root <= c ? 1 : 0;
     case Loss::Kind::StudentT:
       return (c + d) / (c + s);
+    case Loss::Kind::Own:
+      return loss.rho(s, d).first;
   }
   return NAN;
 }

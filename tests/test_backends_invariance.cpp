@@ -98,7 +98,7 @@ Graph renamed_graph(const Graph& graph) {
       for (int i = batch.size() - 1; i >= 0; --i) {
         std::array<Key, F::Variables::size> keys;
         for (int k = 0; k < batch.arity(); ++k) keys[k] = renamed(batch.keys(i)[k]);
-        out.add(batch.factors()[i], keys, batch.loss(), batch.weight(i));
+        out.add(batch.factors()[i], keys, batch.loss(i), batch.weight(i));
       }
     });
   };

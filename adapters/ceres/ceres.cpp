@@ -123,7 +123,7 @@ bool needs_no_loss(const Loss& loss, double weight) { return loss.kind == Loss::
 }  // namespace
 
 ceres::LossFunction* ceres_loss(const Loss& loss, int residual_dim, double weight) {
-  const bool needs_dim = loss.per_component || loss.kind == Loss::Kind::StudentT;
+  const bool needs_dim = loss.per_component || loss.kind == Loss::Kind::StudentT || loss.kind == Loss::Kind::Own;
   if (residual_dim == 0 && needs_dim && !loss.one_sided)
     fail<BadOption>("ceres_loss: '", loss.str(),
                     "' depends on how many components the residual has; give their number as the second argument");

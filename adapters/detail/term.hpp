@@ -21,7 +21,7 @@ class Term {
   Term(const FactorBatch& batch, int index) : batch_(std::shared_ptr<const FactorBatch>(), &batch), index_(index) {}
 
   const FactorBatch& batch() const { return *batch_; }
-  const Loss& loss() const { return batch_->loss(); }
+  const Loss& loss() const { return batch_->loss(index_); }
   double weight() const { return batch_->weight(index_); }
   int residual_dim() const { return batch_->residual_dim(); }
   int total_dim() const { return batch_->total_dim(); }
@@ -53,7 +53,7 @@ class Term {
   static void add_again(const FactorBatch& batch, Graph& graph, const std::vector<Key>& keys) {
     std::array<Key, F::Variables::size> all;
     std::copy_n(keys.begin(), all.size(), all.begin());
-    graph.add(static_cast<const Batch<F>&>(batch).factors().front(), all, batch.loss(), batch.weight(0));
+    graph.add(static_cast<const Batch<F>&>(batch).factors().front(), all, batch.loss(0), batch.weight(0));
   }
   /// The host has its own names; ours count the variables of the factor: x0, x1, …
   template <class F>

@@ -60,8 +60,8 @@ class Writer {
   bool take(const FactorBatch& batch) {
     if (batch.factor_type() != typeid(F)) return false;
     for (int i = 0; i < batch.size(); ++i) {
-      if (batch.loss().kind != Loss::Kind::Squared || batch.weight(i) != 1)
-        fail<BadOption>("no file holds the loss ", batch.loss().str(), " and weight ", batch.weight(i), " of ", batch.describe(i),
+      if (batch.loss(i).kind != Loss::Kind::Squared || batch.weight(i) != 1)
+        fail<BadOption>("no file holds the loss ", batch.loss(i).str(), " and weight ", batch.weight(i), " of ", batch.describe(i),
                         "; set the loss when the file is read");
       dataset_.edges.push_back({edge_of(static_cast<const Batch<F>&>(batch).factors()[i], batch.keys(i)), {}, 0});
     }

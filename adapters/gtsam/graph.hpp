@@ -25,7 +25,7 @@ template <class... F>
 Term term_of(const FactorBatch& batch, int i, std::tuple<F...>*) {
   Term term(batch, i);
   (void)((batch.factor_type() == typeid(F) &&
-          (term = Term(static_cast<const Batch<F>&>(batch).factors()[i], batch.loss(), batch.weight(i)), true)) ||
+          (term = Term(static_cast<const Batch<F>&>(batch).factors()[i], batch.loss(i), batch.weight(i)), true)) ||
          ...);
   return term;
 }

@@ -79,8 +79,8 @@ Network to_mrpt(const Graph& graph, const Values& values) {
       fail<BadOption>("a network of poses cannot hold ", batch->describe(0), "; it has relative poses alone: remove it from the graph");
   graph.for_each_batch<Between<Pose>>([&](const Batch<Between<Pose>>& batch) {
     for (int i = 0; i < batch.size(); ++i) {
-      if (batch.loss().kind != Loss::Kind::Squared || batch.weight(i) != 1)
-        fail<BadOption>("a network of poses cannot hold the loss ", batch.loss().str(), " and weight ", batch.weight(i), " of ",
+      if (batch.loss(i).kind != Loss::Kind::Squared || batch.weight(i) != 1)
+        fail<BadOption>("a network of poses cannot hold the loss ", batch.loss(i).str(), " and weight ", batch.weight(i), " of ",
                         batch.describe(i), "; give it to the optimizer instead");
       const Between<Pose>& between = batch.factors()[i];
       const Matrix<Pose::dim, Pose::dim> I = between.sqrt_information.transpose() * between.sqrt_information;

@@ -116,12 +116,13 @@ struct BinaryIo {
     const FactorType* type = is_prior ? nullptr : saved_type(batch);
     out.put(is_prior ? std::string_view("LinearPrior") : std::string_view(type->name));
     if (!is_prior) write_fields(out, type->fields);
-    const Loss& loss = batch.loss();
-    out.put(static_cast<std::int32_t>(loss.kind)).put(loss.scale).put(loss.per_component).put(loss.one_sided);
+    write_loss(out, batch, batch.family());
+    out.put(batch.has_one_loss());
     out.put<std::uint64_t>(batch.size());
     std::vector<char> fields(is_prior ? 0 : bytes_of(type->fields));
     for (int i = 0; i < batch.size(); ++i) {
       out.put(batch.weight(i));
+      if (!batch.has_one_loss()) write_loss(out, batch, batch.loss(i));
       if (is_prior) {
         write(out, static_cast<const LinearPriorBatch&>(batch).prior());
         continue;
@@ -129,6 +130,20 @@ struct BinaryIo {
       for (int k = 0; k < batch.arity(); ++k) out.put(batch.keys(i)[k]);
       type->put(batch, i, fields.data());
       out.put(fields.data(), fields.size());
+    }
+  }
+  static void write_loss(io::ByteWriter& out, const FactorBatch& batch, const Loss& loss) {
+    if (!loss.is_named())
+      fail<BadFile>("the loss ", loss.str(), " of ", batch.name(),
+                    " cannot be written: files know losses by name; call register_loss<…>() first (graph/loss.hpp)");
+    out.put(std::string_view(loss.str()));
+  }
+  static Loss read_loss(io::ByteReader& in) {
+    const std::string text = in.get_text();
+    try {
+      return Loss::parse(text);
+    } catch (const BadOption& error) {
+      fail<BadFile>("it holds a loss this program does not know: ", error.what());
     }
   }
   static void write(io::ByteWriter& out, const LinearPrior& prior) {
@@ -164,24 +179,19 @@ struct BinaryIo {
     graph.set_numbers(numbers);
     return numbers.free.size() - count_free;
   }
-  static void enter(Graph& graph, FactorBatch& batch, const Key* keys, double weight, std::size_t& named) {
+  static void enter(Graph& graph, FactorBatch& batch, const Key* keys, double weight, const Loss& loss, std::size_t& named) {
     if (named-- == 0) fail<BadFile>("it holds more factors than it names");
     if (!(std::isfinite(weight) && weight >= 0))
       fail<BadFile>("a factor ", batch.name(), " has the weight ", weight, "; it must be finite and >= 0");
-    graph.enter(batch, keys, weight);
+    graph.enter(batch, keys, weight, loss);
   }
   static void read_batch(io::ByteReader& in, Graph& graph, std::size_t& named) {
     const std::string name = in.get_text();
     const bool is_prior = name == "LinearPrior";
     const FactorType* type = is_prior ? nullptr : known_type(name);
     const std::vector<FieldPlace> places = is_prior ? std::vector<FieldPlace>() : read_fields(in, *type);
-    Loss loss;
-    const auto kind = in.get<std::int32_t>();
-    if (kind < 0 || kind > static_cast<int>(Loss::Kind::StudentT)) fail<BadFile>("it holds a loss of unknown kind ", kind);
-    loss.kind = static_cast<Loss::Kind>(kind);
-    loss.scale = in.get<double>();
-    loss.per_component = in.get<bool>();
-    loss.one_sided = in.get<bool>();
+    const Loss loss = read_loss(in);
+    const bool has_one_loss = in.get_bool();
     std::size_t size = in.get_count(sizeof(double));
     if (is_prior) {
       if (size > 1) fail<BadFile>("it holds a batch of ", size, " LinearPriors; one each");
@@ -194,11 +204,14 @@ struct BinaryIo {
     std::vector<char> fields(bytes_of(type->fields));
     for (; size > 0; --size) {
       const auto weight = in.get<double>();
+      const Loss own = has_one_loss ? loss : read_loss(in);
+      own.validate(batch.residual_dim());
+      if (!own.is_of_family(loss)) fail<BadFile>("it holds the loss ", own.str(), " in a batch of ", loss.str());
       std::vector<Key> keys;
       for (int k = 0; k < batch.arity(); ++k) keys.push_back(in.get_key());
       for (const FieldPlace& place : places) std::memcpy(fields.data() + place.offset, in.take(place.bytes), place.bytes);
       type->push(batch, fields.data());
-      enter(graph, batch, keys.data(), weight, named);
+      enter(graph, batch, keys.data(), weight, own, named);
     }
   }
   static const FactorType* known_type(const std::string& name) {
@@ -245,7 +258,7 @@ struct BinaryIo {
     prior.b = ambient(in, prior.rows);
     prior.validate();
     batch.hold(prior);
-    enter(graph, batch, prior.keys.data(), weight, named);
+    enter(graph, batch, prior.keys.data(), weight, Squared{}, named);
   }
 };
 

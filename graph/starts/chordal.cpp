@@ -90,11 +90,11 @@ template <class Pose>
 PoseGraph<Pose> pose_graph_of(const Graph& graph) {
   PoseGraph<Pose> result;
   for (const auto& batch : graph.batches()) {
-    if (!batch->measures_relative_poses() || batch->types()[0] != typeid(Pose)) continue;
+    const auto* const poses = dynamic_cast<const RelativePoses<Pose>*>(batch.get());
+    if (poses == nullptr) continue;
     for (int i = 0; i < batch->size(); ++i) {
-      RelativePose<Pose> edge{batch->keys(i)[0], batch->keys(i)[1], {}, {}};
-      batch->relative_pose(i, &edge.measured, edge.information.data());
-      result.edges.push_back(edge);
+      const MeasuredPose<Pose> measured = poses->measured_pose(i);
+      result.edges.push_back({batch->keys(i)[0], batch->keys(i)[1], measured.pose, measured.information});
     }
   }
   result.fixed.assign(graph.fixed().begin(), graph.fixed().end());

@@ -57,7 +57,7 @@ class FactorCost final : public ceres::CostFunction {
     batch_.evaluate_at(i_, parameters, residuals, J);
     for (int c = 0; c < m; ++c)
       if (!std::isfinite(residuals[c])) return false;
-    if (fold_) fold(batch_.loss(), batch_.weight(i_), m, batch_.total_dim(), residuals, J);
+    if (fold_) fold(batch_.loss(i_), batch_.weight(i_), m, batch_.total_dim(), residuals, J);
     if (J != nullptr) distribute(J, jacobians);
     return true;
   }
@@ -120,8 +120,7 @@ void build(const Graph& graph, const Resolved& resolved, Values& x, ceres::Probl
   add_variables(resolved, x, problem);
   for (std::size_t b = 0; b < graph.batches().size(); ++b) {
     const FactorBatch& batch = *graph.batches()[b];
-    const Loss& loss = batch.loss();
-    const bool folded = must_fold(loss, batch.residual_dim());
+    const bool folded = must_fold(batch.family(), batch.residual_dim());
     const std::vector<int>& variable = resolved.batches()[b].variable;
     std::vector<double*> blocks(batch.arity());
     std::vector<int> ambient(batch.arity());
@@ -131,9 +130,9 @@ void build(const Graph& graph, const Resolved& resolved, Values& x, ceres::Probl
         blocks[k] = x.pool(v.pool).data(v.index);
         ambient[k] = x.pool(v.pool).ambient();
       }
-      const bool plain = folded || (loss.kind == Loss::Kind::Squared && batch.weight(i) == 1);
+      const bool plain = folded || (batch.family().kind == Loss::Kind::Squared && batch.weight(i) == 1);
       problem.AddResidualBlock(new FactorCost(batch, i, ambient, folded),
-                               plain ? nullptr : new CeresLoss(loss, batch.weight(i), batch.residual_dim()), blocks);
+                               plain ? nullptr : new CeresLoss(batch.loss(i), batch.weight(i), batch.residual_dim()), blocks);
     }
   }
 }

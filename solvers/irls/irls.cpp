@@ -29,7 +29,7 @@ Curvature Irls::curvature(const Graph& graph, bool linear) const {
   if (irls_options.reweighting == Reweighting::irls) return Curvature::irls;
   if (irls_options.reweighting == Reweighting::newton) return Curvature::newton;
   const bool convex =
-      std::all_of(graph.batches().begin(), graph.batches().end(), [](const auto& batch) { return batch->loss().is_convex(); });
+      std::all_of(graph.batches().begin(), graph.batches().end(), [](const auto& batch) { return batch->family().is_convex(); });
   return linear && convex ? Curvature::newton : Curvature::irls;
 }
 

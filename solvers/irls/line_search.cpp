@@ -67,6 +67,17 @@ Phi phi_of_rows(const Loss& loss, int rows, int block, const double* weights, co
   return sum_components(rows, weights, r, Jd, alpha, [&](double x) { return loss.rho_of_component(x); });
 }
 
+Phi phi_of_batch(const FactorBatch& batch, const double* weights, const double* r, const double* Jd, double alpha) {
+  const int m = batch.residual_dim();
+  if (batch.has_one_loss()) return phi_of_rows(batch.family(), batch.size() * m, m, weights, r, Jd, alpha);
+  Phi sum;
+  for (int i = 0; i < batch.size(); ++i) {
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(i) * m;
+    sum += phi_of_rows(batch.loss(i), m, m, weights + row, r + row, Jd + row, alpha);
+  }
+  return sum;
+}
+
 void weights_of_rows(const FactorBatch& batch, double* weights) {
   for (int i = 0; i < batch.size(); ++i) weights = std::fill_n(weights, batch.residual_dim(), batch.weight(i));
 }

@@ -56,8 +56,7 @@ struct Irls::Fronts {
   Phi phi(const Graph& graph, double alpha) const {
     Phi sum;
     for (std::size_t b = 0; b < w.r.size(); ++b)
-      sum += phi_of_rows(graph.batches()[b]->loss(), static_cast<int>(w.r[b].size()), graph.batches()[b]->residual_dim(),
-                         w.row_weights[b].data(), w.r[b].data(), w.Jd[b].data(), alpha);
+      sum += phi_of_batch(*graph.batches()[b], w.row_weights[b].data(), w.r[b].data(), w.Jd[b].data(), alpha);
     return sum;
   }
   double slope() const { return dot(w.normal.gradient(), w.step); }

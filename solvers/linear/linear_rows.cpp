@@ -141,16 +141,14 @@ void LinearRows::weigh(const FactorBatch& batch, const Part& part, Curvature cur
     with_block_size(batch.residual_dim(), [&](auto size) { weigh_blocks<size()>(batch, part, curvature, cost); });
     return;
   }
-  if (batch.loss().kind == Loss::Kind::Huber && !batch.loss().one_sided) {
-    cost += weigh_huber(part, batch.loss().scale, curvature);
+  if (batch.has_one_loss() && batch.family().kind == Loss::Kind::Huber && !batch.family().one_sided) {
+    cost += weigh_huber(part, batch.family().scale, curvature);
     return;
   }
-  for (int row = part.first_row; row < part.first_row + part.rows; ++row) {
-    const RowWeights<1> w = row_weights<1>(batch.loss(), weight_[row], Vector<1>(r_[row]), curvature);
-    gradient_weight_[row] = w.gradient[0];
-    hessian_weight_[row] = w.hessian[0];
-    cost += w.cost;
-  }
+  int row = part.first_row;
+  for (int i = 0; i < batch.size(); ++i)
+    for (int m = 0; m < batch.residual_dim(); ++m, ++row)
+      cost += row_weights<1>(batch.loss(i), weight_[row], &r_[row], 1, curvature, &gradient_weight_[row], &hessian_weight_[row]).cost;
 }
 
 // row_weights() for the most common loss, without its branches.
@@ -170,9 +168,8 @@ template <int M>
 void LinearRows::weigh_blocks(const FactorBatch& batch, const Part& part, Curvature curvature, double& cost) {
   for (int i = 0; i < batch.size(); ++i) {
     const int row = part.first_row + i * M, extra = part.first_extra + i;
-    const RowWeights<M> w = row_weights<M>(batch.loss(), batch.weight(i), Eigen::Map<const Vector<M>>(&r_[row]), curvature);
-    std::copy_n(w.gradient.data(), M, &gradient_weight_[row]);
-    std::copy_n(w.hessian.data(), M, &hessian_weight_[row]);
+    const TermWeight w =
+        row_weights<M>(batch.loss(i), batch.weight(i), &r_[row], M, curvature, &gradient_weight_[row], &hessian_weight_[row]);
     hessian_weight_[extra] = w.rank_one;
     cost += w.cost;
     if (w.rank_one == 0) continue;
@@ -206,8 +203,8 @@ void LinearRows::apply_step(const Graph&) {
 Phi LinearRows::phi(const Graph& graph, double alpha) const {
   Phi sum;
   for (std::size_t b = 0; b < parts_.size(); ++b)
-    sum += phi_of_rows(graph.batches()[b]->loss(), parts_[b].rows, graph.batches()[b]->residual_dim(), weight_.data() + parts_[b].first_row,
-                       r_.data() + parts_[b].first_row, Jd_.data() + parts_[b].first_row, alpha);
+    sum += phi_of_batch(*graph.batches()[b], weight_.data() + parts_[b].first_row, r_.data() + parts_[b].first_row,
+                        Jd_.data() + parts_[b].first_row, alpha);
   return sum;
 }
 

@@ -10,7 +10,7 @@ constexpr double kThin = 32;  // root mean square width of the envelope: up to h
 }  // namespace
 
 bool LinearRows::weighs_whole_blocks(const FactorBatch& batch) {
-  return batch.loss().kind != Loss::Kind::Squared && !batch.loss().per_component && batch.residual_dim() > 1;
+  return batch.family().kind != Loss::Kind::Squared && !batch.family().per_component && batch.residual_dim() > 1;
 }
 
 bool LinearRows::pattern_holds() const {

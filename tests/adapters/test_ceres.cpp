@@ -193,7 +193,7 @@ TEST(CeresProblem, ReachesTheSameOptimumOnTheUsersMemory) {
     return all;
   };
   const auto add_all = [&](const auto& batch, auto add) {
-    for (int i = 0; i < batch.size(); ++i) add(batch.factors()[i], batch.loss(), batch.keys(i));
+    for (int i = 0; i < batch.size(); ++i) add(batch.factors()[i], batch.loss(i), batch.keys(i));
   };
   problem.graph.for_each_batch<Between<Pose3>>([&](const auto& batch) {
     add_all(batch, [&](const auto& f, const Loss& loss, const Key* keys) { ceres_add<Pose, Pose>(user, f, loss, blocks(keys)); });
@@ -205,7 +205,7 @@ TEST(CeresProblem, ReachesTheSameOptimumOnTheUsersMemory) {
   problem.graph.for_each_batch<RelativePoint<Pose3, Point3>>(add_landmarks);
   problem.graph.for_each_batch<VonMisesBearingBody<Pose3, Point3>>(add_landmarks);
   problem.graph.for_each_batch<Prior<Pose3>>([&](const auto& batch) {
-    ceres_add<Pose>(user, batch.factors()[0], batch.loss(), {position[A(0)].data(), quaternion[A(0)].data()});
+    ceres_add<Pose>(user, batch.factors()[0], batch.loss(0), {position[A(0)].data(), quaternion[A(0)].data()});
   });
 
   ceres::Solver::Options options;

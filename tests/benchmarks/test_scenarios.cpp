@@ -45,7 +45,7 @@ TEST(Unicycle, IsPaperAsWindow) {
   EXPECT_TRUE(is_convex(instance.graph));
   for (const auto& batch : instance.graph.batches())
     if (batch->name() == "HuberMeasurement") {
-      EXPECT_EQ(batch->loss(), per_component(Huber{2}));
+      EXPECT_EQ(batch->family(), per_component(Huber{2}));
     }
 }
 
@@ -97,7 +97,7 @@ TEST(Ring, HasFalseClosuresUnderItsLoss) {
   ASSERT_EQ(instance.start.size(), 400u);
   int closures = 0, wrong = 0;
   for (const auto& batch : instance.graph.batches()) {
-    if (!(batch->loss() == Loss(Cauchy{2}))) continue;
+    if (!(batch->family() == Loss(Cauchy{2}))) continue;
     for (int i = 0; i < batch->size(); ++i) {
       const Key a = batch->keys(i)[0], b = batch->keys(i)[1];
       ++closures;

@@ -236,7 +236,7 @@ class Life {
       const Graph::Place& place = graph_.place(m.id);
       const FactorBatch& batch = *graph_.batches()[static_cast<std::size_t>(place.batch)];
       fuzz::require(std::equal(m.keys.begin(), m.keys.end(), batch.keys(place.index)) && batch.weight(place.index) == m.weight &&
-                        batch.loss() == m.loss,
+                        batch.loss(place.index) == m.loss,
                     "a factor has changed:", batch.describe(place.index));
     }
     if (!is_complete()) {

@@ -45,10 +45,10 @@ TEST(Graph, CostIsTheSumOfItsTerms) {
   EXPECT_EQ(Graph().cost(square()), 0);
 }
 
-TEST(Graph, BatchesByTypeAndLoss) {
+TEST(Graph, BatchesByTypeAndFamilyOfLosses) {
   Graph graph;
   for (int i = 0; i < 3; ++i) graph.add(PointRange{1, 1}, {A(0), A(1)}, Huber{2});
-  graph.add(PointRange{1, 1}, {A(0), A(1)}, Huber{3});
+  graph.add(PointRange{1, 1}, {A(0), A(1)}, Cauchy{2});
   graph.add(PointRange{1, 1}, {A(0), A(1)}, per_component(Huber{2}));
   graph.add(prior_at(0, 0), {A(0)}, Huber{2});
   ASSERT_EQ(graph.batches().size(), 4u);
@@ -64,7 +64,7 @@ TEST(Graph, TakesAFactorsOwnLossAndWeight) {
   Graph graph;
   const auto measurement = HuberMeasurement<Point2>::of_position({0, 0}, {0, 0}, Matrix<2, 2>(Matrix<2, 2>::Identity()), 0.5);
   graph.add(measurement, {A(0)});
-  EXPECT_EQ(graph.batches()[0]->loss(), per_component(Huber{2}));
+  EXPECT_EQ(graph.batches()[0]->family(), per_component(Huber{2}));
   EXPECT_EQ(graph.batches()[0]->weight(0), 0.5);
   graph.add(measurement, {A(0)}, Squared{}, 7);
   EXPECT_EQ(graph.batches()[1]->weight(0), 7);
@@ -188,9 +188,9 @@ TEST(Graph, RelaxedReplacesWhatHasAConvexCounterpart) {
   const Graph convex = graph.relaxed();
   EXPECT_EQ(convex.at<PointBall>(shorter).distance, 4);
   EXPECT_EQ(convex.at<PointBall>(longer).distance, 11);
-  EXPECT_EQ(convex.batches()[convex.place(longer).batch]->loss(), Loss(Huber{1}));
-  EXPECT_EQ(convex.batches()[convex.place(robust).batch]->loss(), Loss());
-  EXPECT_EQ(convex.batches()[convex.place(student).batch]->loss(), per_component(Huber{2}));
+  EXPECT_EQ(convex.batches()[convex.place(longer).batch]->family(), Loss(Huber{1}));
+  EXPECT_EQ(convex.batches()[convex.place(robust).batch]->family(), Loss());
+  EXPECT_EQ(convex.batches()[convex.place(student).batch]->family(), per_component(Huber{2}));
   EXPECT_EQ(convex.size(), graph.size());
   EXPECT_TRUE(convex.is_fixed(L(0)));
   EXPECT_NE(convex.structure(), graph.structure());
@@ -217,18 +217,72 @@ TEST(Graph, StampChangesWithEveryChangeOfStructure) {
   expect_new();
 }
 
-TEST(Graph, TakesABatchMadeElsewhere) {
-  Graph source;
-  source.add(prior_at(0, 2), {A(0)});
-  std::unique_ptr<FactorBatch> batch = source.batches()[0]->clone();
+// r = (5 − distance) / 1 under Huber{a}: beyond a the cost is a|r| − ½a².
+double huber_cost(double distance, double a) {
+  const double r = std::abs(5 - distance);
+  return r <= a ? 0.5 * r * r : a * r - 0.5 * a * a;
+}
+Values five_apart() {
+  Values values;
+  values.insert(A(0), Point2(0, 0));
+  values.insert(A(1), Point2(3, 4));
+  return values;
+}
+
+TEST(Graph, AThresholdPerFactorTakesNoBatch) {
   Graph graph;
-  graph.add(PointRange{4, 0.5}, {A(0), A(1)});
-  const FactorId id = graph.add_batch(std::move(batch), {A(0)});
-  EXPECT_EQ(graph.size(), 2u);
-  EXPECT_DOUBLE_EQ(graph.cost(square()), 0.5 * (4 + 4));
-  EXPECT_EQ(graph.batches()[1]->describe(0), "Prior(A0)");
-  graph.remove(id);
-  EXPECT_DOUBLE_EQ(graph.cost(square()), 2);
+  double expected = 0;
+  for (int i = 1; i <= 20; ++i) {
+    graph.add(PointRange{5.0 + i, 1}, {A(0), A(1)}, Huber{0.5 * i});
+    expected += huber_cost(5.0 + i, 0.5 * i);
+  }
+  ASSERT_EQ(graph.batches().size(), 1u);
+  EXPECT_FALSE(graph.batches()[0]->has_one_loss());
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(graph.batches()[0]->loss(i), Loss(Huber{0.5 * (i + 1)}));
+  EXPECT_NEAR(graph.cost(five_apart()), expected, 1e-12);
+  EXPECT_NEAR(Graph(graph).cost(five_apart()), expected, 1e-12);
+  Graph one;
+  for (int i = 0; i < 20; ++i) one.add(PointRange{6, 1}, {A(0), A(1)}, Huber{2});
+  EXPECT_TRUE(one.batches()[0]->has_one_loss());
+}
+
+// What is removed takes its own weight and threshold with it, and nobody else's.
+TEST(Graph, RemoveKeepsTheOthersWeightsAndLosses) {
+  Graph graph;
+  std::vector<FactorId> ids;
+  for (int i = 0; i < 5; ++i) ids.push_back(graph.add(PointRange{9, 1}, {A(0), A(1)}, Huber{1.0 + i}, 10.0 + i));
+  for (const int gone : {1, 4, 0}) {
+    graph.remove(ids[gone]);
+    for (int i = 0; i < 5; ++i) {
+      if (!graph.contains(ids[i])) continue;
+      const Graph::Place& place = graph.place(ids[i]);
+      EXPECT_EQ(graph.batches()[place.batch]->weight(place.index), 10.0 + i);
+      EXPECT_EQ(graph.batches()[place.batch]->loss(place.index), Loss(Huber{1.0 + i}));
+    }
+  }
+  EXPECT_NEAR(graph.cost(five_apart()), 12 * huber_cost(9, 3) + 13 * huber_cost(9, 4), 1e-12);
+}
+
+TEST(Graph, SetLossOfOneFactorKeepsItsIdAndTheOthersLosses) {
+  Graph graph;
+  std::vector<FactorId> ids;
+  for (int i = 0; i < 3; ++i) ids.push_back(graph.add(PointRange{9, 1}, {A(0), A(1)}, Huber{1}, 1.0 + i));
+  const std::uint64_t before = graph.structure();
+  graph.set_loss(ids[1], Huber{2});  // another threshold: the same structure
+  EXPECT_EQ(graph.structure(), before);
+  EXPECT_NEAR(graph.cost(five_apart()), 4 * huber_cost(9, 1) + 2 * huber_cost(9, 2), 1e-12);
+  graph.set_loss(ids[0], Squared{});  // another family: another batch
+  EXPECT_NE(graph.structure(), before);
+  ASSERT_EQ(graph.batches().size(), 2u);
+  EXPECT_NEAR(graph.cost(five_apart()), 8 + 2 * huber_cost(9, 2) + 3 * huber_cost(9, 1), 1e-12);
+  for (int i = 0; i < 3; ++i) {
+    const Graph::Place& place = graph.place(ids[i]);
+    EXPECT_EQ(graph.batches()[place.batch]->weight(place.index), 1.0 + i);
+    EXPECT_EQ(graph.id_of(place.batch, place.index).number, ids[i].number);
+  }
+  EXPECT_THROW(graph.set_loss(ids[2], Huber{-1}), BadNumber);
+  graph.remove(ids[2]);
+  EXPECT_THROW(graph.set_loss(ids[2], Huber{1}), BadKey);
 }
 
 /// Factors by hand, one after the other.

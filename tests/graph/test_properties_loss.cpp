@@ -52,9 +52,10 @@ RC_GTEST_PROP(LossProperties, WeighsEveryModelPositively, ()) {
   std::mt19937_64 rng = properties::any_rng();
   const Vector<3> r = testing::random_vector<3>(rng, decades(-6, 6));
   for (const Curvature curvature : {Curvature::irls, Curvature::newton, Curvature::bound}) {
-    const RowWeights<3> w = row_weights<3>(loss, 2.5, r, curvature);
-    RC_ASSERT((w.gradient.array() >= 0).all() && (w.hessian.array() >= 0).all() && w.cost >= 0);
-    RC_ASSERT(w.hessian.minCoeff() + w.rank_one * r.squaredNorm() >= -1e-12 * w.hessian.maxCoeff());  // H stays positive semidefinite
+    Vector<3> gradient, hessian;
+    const TermWeight w = row_weights<3>(loss, 2.5, r.data(), 3, curvature, gradient.data(), hessian.data());
+    RC_ASSERT((gradient.array() >= 0).all() && (hessian.array() >= 0).all() && w.cost >= 0);
+    RC_ASSERT(hessian.minCoeff() + w.rank_one * r.squaredNorm() >= -1e-12 * hessian.maxCoeff());  // H stays positive semidefinite
   }
 }
 

@@ -26,6 +26,8 @@ inline double dot(const std::vector<double>& a, const std::vector<double>& b) {
 
 /// The part of φ(α) of consecutive rows under one loss; block: the residual dimension of a factor; weights: of each row's factor.
 Phi phi_of_rows(const Loss& loss, int rows, int block, const double* weights, const double* r, const double* Jd, double alpha);
+/// The same of all rows of a batch.
+Phi phi_of_batch(const FactorBatch& batch, const double* weights, const double* r, const double* Jd, double alpha);
 /// The weight of each row's factor, for all rows of a batch.
 void weights_of_rows(const FactorBatch& batch, double* weights);
 

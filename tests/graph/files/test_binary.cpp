@@ -20,7 +20,7 @@ std::string one_prior(std::size_t keys, std::int32_t rows) {
   out.put<std::uint64_t>(0);                                                                   // nothing is fixed
   out.put<std::uint64_t>(1).put<std::uint32_t>(0).put<std::uint64_t>(0).put<std::int32_t>(0);  // factor 0 has a name
   out.put<std::uint64_t>(1).put(std::string_view("LinearPrior"));                              // one batch
-  out.put<std::int32_t>(0).put(1.0).put(false).put(false).put<std::uint64_t>(1).put(1.0);      // squared, one, weight 1
+  out.put(std::string_view("squared")).put(true).put<std::uint64_t>(1).put(1.0);               // one loss for all, one factor, weight 1
   out.put<std::uint64_t>(keys);
   for (std::size_t k = 0; k < keys; ++k) out.put(A(0)).put(std::string_view("Point2")).put<std::int32_t>(2).put(0.0).put(0.0);
   out.put<std::int32_t>(rows).put(0.0);
@@ -145,7 +145,7 @@ std::string one_range(const Fields& fields) {
   out.put<std::uint64_t>(1).put(std::string_view(find_factor_type(typeid(Range<Point2, Point2>))->name));
   out.put<std::uint64_t>(fields.size());
   for (const auto& [name, type] : fields) out.put(std::string_view(name)).put(std::string_view(type));
-  out.put<std::int32_t>(0).put(1.0).put(false).put(false).put<std::uint64_t>(1).put(1.0).put(A(0)).put(A(1));
+  out.put(std::string_view("squared")).put(true).put<std::uint64_t>(1).put(1.0).put(A(0)).put(A(1));
   for (std::size_t i = 0; i < fields.size(); ++i) out.put(2.0 + static_cast<double>(i));
   return out.bytes();
 }

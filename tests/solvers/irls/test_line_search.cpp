@@ -25,14 +25,14 @@ struct Line {
     weights_of_rows(*graph.batches()[0], weights.data());
   }
   Phi at(double alpha) const {
-    return phi_of_rows(graph.batches()[0]->loss(), static_cast<int>(r.size()), 3, weights.data(), r.data(), Jd.data(), alpha);
+    return phi_of_rows(graph.batches()[0]->family(), static_cast<int>(r.size()), 3, weights.data(), r.data(), Jd.data(), alpha);
   }
   double cost(double alpha) const {
     double sum = 0;
     for (int i = 0; i < 20; ++i) {
       Eigen::VectorXd x(3);
       for (int c = 0; c < 3; ++c) x[c] = r[3 * i + c] + alpha * Jd[3 * i + c];
-      sum += reference_term(graph.batches()[0]->loss(), graph.batches()[0]->weight(i), x).cost;
+      sum += reference_term(graph.batches()[0]->family(), graph.batches()[0]->weight(i), x).cost;
     }
     return sum;
   }

@@ -32,7 +32,7 @@ Dense assembled(const Graph& graph, const Resolved& resolved, const Values& valu
     MatrixXd J(batch.residual_dim(), batch.total_dim());
     for (int i = 0; i < batch.size(); ++i) {
       batch.evaluate(values, resolved.batches()[b].index.data(), i, i + 1, r.data(), J.data());
-      const testing::ReferenceTerm term = testing::reference_term(batch.loss(), batch.weight(i), r);
+      const testing::ReferenceTerm term = testing::reference_term(batch.loss(i), batch.weight(i), r);
       MatrixXd in_place = MatrixXd::Zero(r.size(), n);
       int column = 0;
       for (int k = 0; k < batch.arity(); column += batch.dims()[k++]) {
@@ -247,6 +247,94 @@ TEST(NormalEquations, NewtonIsTheSecondDerivativeWhereThatIsPositive) {
         EXPECT_LT((newton.H - numeric).norm(), 1e-6 * (1 + numeric.norm()));
       }
   EXPECT_GT(positive, 25);
+}
+
+/// Distance to a disc round another point, and what Gauss–Newton does not see of it: how the direction turns.
+struct DiscOfMine {
+  double radius;  // [m]
+  double sigma;   // [m]
+  using Variables = variables<Point2, Point2>;
+  static constexpr int residual_dim = 1;
+  static constexpr bool is_convex = true;
+  Vector<1> operator()(const Point2& a, const Point2& b, Jacobians<DiscOfMine>* J = nullptr) const {
+    const Vector<2> d = a.value - b.value;
+    const double n = d.norm();
+    if (J != nullptr) {
+      J->all.setZero();
+      if (n > radius) J->all << d.transpose() / (n * sigma), -d.transpose() / (n * sigma);
+    }
+    return Vector<1>(std::max(0.0, n - radius) / sigma);
+  }
+  Matrix<4, 4> hessian(const Point2& a, const Point2& b) const {
+    const Vector<2> d = a.value - b.value;
+    const double n = d.norm();
+    if (n <= radius) return Matrix<4, 4>::Zero();
+    const Matrix<2, 2> along = d * d.transpose() / (n * n);
+    const Matrix<2, 2> H = ((1 - radius / n) * Matrix<2, 2>::Identity() + radius / n * along) / (sigma * sigma);
+    Matrix<4, 4> all;
+    all << H, -H, -H, H;
+    return all;
+  }
+};
+
+struct Disc {
+  Graph graph;
+  Values values;
+  Disc(const Loss& loss, double distance) {
+    values.insert(A(0), Point2(0.6 * distance, 0.8 * distance));
+    values.insert(A(1), Point2(0, 0));
+    graph.add(DiscOfMine{2, 0.5}, {A(0), A(1)}, loss, 0.7);
+    graph.add(DiscOfMine{1, 0.5}, {A(1), A(0)}, loss, 0.3);
+  }
+  Dense linearized(Curvature curvature) const {
+    const Resolved resolved(graph, values);
+    NormalEquations normal(graph, resolved, free_variables(resolved));
+    const double cost = normal.linearize(graph, resolved, values, curvature);
+    return expanded(normal, resolved, cost);
+  }
+};
+
+MatrixXd whole(const Dense& dense) { return dense.H.selfadjointView<Eigen::Lower>(); }
+
+TEST(NormalEquations, ExactIsTheSecondDerivativeWhereAFactorSaysItsHessian) {
+  for (const Loss& loss : {Loss(Squared{}), Loss(PseudoHuber{2}), Loss(Huber{2}), per_component(PseudoHuber{1}), one_sided(Cauchy{1})})
+    for (const double distance : {1.5, 2.5, 7.0}) {  // inside one disc; where Huber is squared; beyond its threshold
+      SCOPED_TRACE(loss.str() + " at " + std::to_string(distance));
+      const Disc disc(loss, distance);
+      const Resolved resolved(disc.graph, disc.values);
+      const MatrixXd numeric = numeric_hessian(disc.graph, resolved, disc.values);
+      const Dense exact = disc.linearized(Curvature::exact), newton = disc.linearized(Curvature::newton);
+      EXPECT_LT((whole(exact) - numeric).norm(), 2e-5 * (1e-3 + numeric.norm()));  // less a part of kLeastCurvature on a flat loss
+      EXPECT_GT((whole(newton) - numeric).norm(), 0.03 * numeric.norm());
+      EXPECT_EQ(exact.cost, newton.cost);
+      EXPECT_EQ(exact.g, newton.g);
+      EXPECT_GT(whole(exact).eigenvalues().real().minCoeff(), -1e-9);
+    }
+}
+
+// On the flank of a redescending loss the true curvature is negative along the residual: cut off, the matrix stays positive semidefinite.
+TEST(NormalEquations, ExactIsCutOffWhereALossBendsDown) {
+  for (const Loss& loss : {Loss(Cauchy{1}), Loss(Welsch{6}), Loss(GemanMcClure{1})}) {
+    const Disc disc(loss, 6);
+    const Resolved resolved(disc.graph, disc.values);
+    EXPECT_LT(numeric_hessian(disc.graph, resolved, disc.values).selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-3);
+    EXPECT_GT(whole(disc.linearized(Curvature::exact)).selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-9) << loss.str();
+  }
+}
+
+TEST(NormalEquations, ExactIsNewtonForFactorsWithoutAHessian) {
+  Graph graph;
+  Values values;
+  values.insert(A(0), Pose2(1, 2, 0.3));
+  values.insert(A(1), Pose2(2, 5, -1));
+  graph.add(Prior<Pose2>::from_sigmas(Pose2(1, 1, 0.5), {1, 2, 0.5}), {A(0)}, Cauchy{1});
+  graph.add(Between<Pose2>::from_sigmas(Pose2(1, 0, 0), {0.5, 1, 0.2}), {A(0), A(1)}, per_component(Welsch{2}));
+  const Resolved resolved(graph, values);
+  NormalEquations normal(graph, resolved, free_variables(resolved));
+  normal.linearize(graph, resolved, values, Curvature::newton);
+  const std::vector<double> newton = normal.H();
+  normal.linearize(graph, resolved, values, Curvature::exact);
+  EXPECT_EQ(normal.H(), newton);
 }
 
 TEST(NormalEquations, NewtonNeverExceedsIrls) {
