@@ -48,5 +48,10 @@ TEST(BearingRay, RefusesNumbersThatAreNone) {
   EXPECT_THROW((Ray{{1, 0}, 0}).validate(), BadNumber);
 }
 
+TEST(BearingRay, RawIsTheWayToTheRayInMetres) {
+  const Ray ray{{1, 0}, 0.5};
+  EXPECT_TRUE(ray.raw(ray(kOrigin, Point2(7, 3))).isApprox(Vector<2>(0, 3)));
+}
+
 }  // namespace
 }  // namespace holdfast

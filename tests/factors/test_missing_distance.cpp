@@ -65,5 +65,10 @@ TEST(MissingDistance, RefusesNumbersThatAreNone) {
   EXPECT_THROW((Eliminated{1, 1, INFINITY}).validate(), BadNumber);
 }
 
+TEST(MissingDistance, RawIsTheExcessInMetres) {
+  const Eliminated factor{3, 0.3, 0.4};
+  EXPECT_NEAR(factor.raw(factor({0, 0}, {3, 4})).norm(), 2, 1e-15);
+}
+
 }  // namespace
 }  // namespace holdfast

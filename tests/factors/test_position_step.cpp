@@ -27,5 +27,10 @@ TEST(PositionStep, RefusesNumbersThatAreNone) {
   EXPECT_THROW((F{NAN}).validate(), BadNumber);
 }
 
+TEST(PositionStep, RawIsTheStepInMetres) {
+  const PositionStep<Point2, Point2> step{0.5};
+  EXPECT_TRUE(step.raw(step({1, 2}, {4, 6})).isApprox(Vector<2>(3, 4)));
+}
+
 }  // namespace
 }  // namespace holdfast

@@ -62,5 +62,10 @@ TEST(Range, RefusesNumbersThatAreNone) {
   EXPECT_NO_THROW((F{0, 1}).validate());
 }
 
+TEST(Range, RawIsTheErrorInMetres) {
+  const Range<Point2, Point2> range{3, 0.5};
+  EXPECT_DOUBLE_EQ(range.raw(range({0, 0}, {3, 4}))[0], 2);
+}
+
 }  // namespace
 }  // namespace holdfast

@@ -53,5 +53,10 @@ TEST(RangeBall, RefusesNumbersThatAreNone) {
   EXPECT_THROW((Ball{1, INFINITY}).validate(), BadNumber);
 }
 
+TEST(RangeBall, RawIsTheWayToTheBallInMetres) {
+  const RangeBall<Point2, Point2> ball{3, 0.5};
+  EXPECT_TRUE(ball.raw(ball({0, 0}, {3, 4})).isApprox(Vector<2>(1.2, 1.6), 1e-15));  // 2 m along (0.6, 0.8)
+}
+
 }  // namespace
 }  // namespace holdfast
