@@ -101,14 +101,15 @@ std::vector<VectorXd> null_vectors(const Sparse& H, std::size_t most) {
   Sparse shifted = H;
   for (Eigen::Index i = 0; i < n; ++i) shifted.coeffRef(i, i) += kShift;
   const Eigen::SimplicialLDLT<Sparse, Eigen::Lower> ldlt(shifted);
+  const VectorXd D = ldlt.vectorD();  // a copy each time it is called
   std::vector<VectorXd> null;
   for (Eigen::Index j = 0; j < n && null.size() < most; ++j) {
-    if (!(ldlt.vectorD()[j] <= detail::kSuspectPivot)) continue;
+    if (!(D[j] <= detail::kSuspectPivot)) continue;
     VectorXd x = VectorXd::Unit(n, j);
     ldlt.matrixU().solveInPlace(x);
     if (!x.allFinite()) continue;
     const double norm2 = x.squaredNorm();  // the diagonal is 1
-    if (!detail::is_unobservable(ldlt.vectorD()[j] - kShift * norm2, norm2)) continue;
+    if (!detail::is_unobservable(D[j] - kShift * norm2, norm2)) continue;
     null.push_back((ldlt.permutationPinv() * x).normalized());
   }
   return null;
