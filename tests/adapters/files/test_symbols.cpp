@@ -3,7 +3,7 @@
 
 #include <holdfast/adapters/files/problem.hpp>
 #include <holdfast/graph/files/files.hpp>
-#include <holdfast/solvers/backend.hpp>
+#include <holdfast/solvers/table.hpp>
 #include <sstream>
 
 namespace holdfast {
