@@ -6,20 +6,6 @@
 namespace holdfast::bench {
 namespace {
 
-Task task_of(const Suite& suite, const Case& one, const std::string& backend, const RunnerOptions& options) {
-  Task task{one.name, one.loss, one.start, backend, options.seed, options.solver};
-  task.options.max_iterations = suite.max_iterations;
-  return task;
-}
-
-Json line_of(const Suite& suite, const Run& run) {
-  Json line = to_json(run);
-  line["suite"] = suite.name;
-  line["commit"] = commit();
-  line["machine"] = machine();
-  return line;
-}
-
 /// What two lines have in common that are of the same run.
 std::string identity(const Json& line) {
   std::string text;
@@ -29,75 +15,106 @@ std::string identity(const Json& line) {
   return text;
 }
 
-/// Every back-end once, then those that were fast again, in turn: what slows the machine down for a while hits all of them.
-std::vector<Run> race(const std::vector<Task>& tasks, const Instance& instance, int repetitions, ProgressBar& bar) {
+std::vector<Run> runs_of(const Suite& suite, const Case& one, const std::vector<Entrant>& entrants, const RunnerOptions& options) {
   std::vector<Run> runs;
-  Values answer;
-  for (Task task : tasks) {
-    bar.begin(task.file + " " + task.loss + " " + task.backend);
-    task.options.progress = bar.callback();
-    runs.push_back(run_task(task, instance, answer));
-    bar.done_with_one();
+  for (const Entrant& entrant : entrants) {
+    Task& task = runs.emplace_back().task;
+    task = {one.name, one.loss, one.start, entrant.backend, options.seed, options.solver};
+    task.options.threads = entrant.threads;
+    task.options.max_iterations = suite.max_iterations;
   }
-  for (int i = 1; i < repetitions; ++i)
-    for (Run& run : runs) {
-      if (run.seconds.front() >= kFast || !run.summary.usable()) continue;
-      run.seconds.push_back(run_task(run.task, instance, answer).summary.seconds);
-    }
   return runs;
 }
 
-/// The lines of one case, in the order of the back-ends; made where they are missing.
-void run_case(const Suite& suite, const Case& one, const RunnerOptions& options, Journal& journal, ProgressBar& bar, SuiteResult& result) {
-  std::vector<Json> lines(options.backends.size());
-  std::vector<Task> tasks;
-  std::vector<std::size_t> places;
+}  // namespace
+
+std::vector<Entrant> entrants_of(const std::vector<std::string>& backends, int threads) {
+  std::vector<Entrant> entrants;
+  for (const std::string& backend : backends) entrants.push_back({backend, threads});
+  return entrants;
+}
+
+Json Runner::line_of(const Run& run) const {
+  Json line = to_json(run);
+  line["suite"] = suite_.name;
+  line["commit"] = commit();
+  line["machine"] = machine();
+  return line;
+}
+
+// The latest line of each run counts.
+std::vector<Json> Runner::known_lines(const std::vector<Run>& wanted) const {
+  std::vector<Json> lines(wanted.size());
+  if (options_.fresh) return lines;
+  const auto& known = journal_.lines();
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const Task task = task_of(suite, one, options.backends[i], options);
-    Run wanted;
-    wanted.task = task;
-    const std::string identity_wanted = identity(line_of(suite, wanted));
-    const auto& known = journal.lines();
+    const std::string identity_wanted = identity(line_of(wanted[i]));
     const auto found = std::find_if(known.rbegin(), known.rend(), [&](const Json& line) { return identity(line) == identity_wanted; });
-    if (found != known.rend() && !options.fresh) {
-      lines[i] = *found;
-      ++result.taken;
-      bar.done_with_one();
-    } else {
-      tasks.push_back(task);
-      places.push_back(i);
-    }
+    if (found != known.rend()) lines[i] = *found;
   }
-  if (!tasks.empty()) {
-    Instance instance;
+  const bool some_missing = std::any_of(lines.begin(), lines.end(), [](const Json& line) { return line.is_null(); });
+  return policy_.in_one_run && some_missing ? std::vector<Json>(lines.size()) : lines;
+}
+
+// Every entrant once, then those that were fast again, in turn.
+void Runner::repeat(std::vector<Run*>& runs, const Instance& instance) {
+  Values answer;
+  for (Run* run : runs) {
+    Task task = run->task;
+    bar_.begin(task.file + " " + task.loss + " " + task.backend);
+    task.options.progress = bar_.callback();
+    *run = run_task(task, instance, answer);
+    run->task.options.progress = nullptr;
+    bar_.done_with_one();
+  }
+  for (int i = 1; i < options_.repetitions; ++i)
+    for (Run* run : runs)
+      if (run->seconds.front() < kFast && run->summary.usable())
+        run->seconds.push_back(run_task(run->task, instance, answer).summary.seconds);
+}
+
+void Runner::run(const Case& one, const std::vector<Entrant>& entrants, SuiteResult& result) {
+  const std::string name = one.name + " (" + one.*policy_.said_of_case + "): ";
+  if (!one.absent.empty()) {
+    result.skipped.push_back(name + one.absent);
+    return;
+  }
+  std::vector<Run> runs = runs_of(suite_, one, entrants, options_);
+  std::vector<Json> lines = known_lines(runs);
+  std::vector<Run*> missing;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].is_null())
+      missing.push_back(&runs[i]);
+    else
+      ++result.taken, bar_.done_with_one();
+  }
+  if (!missing.empty()) {
     try {
-      instance = one.make();
+      repeat(missing, one.make());
     } catch (const Error& error) {  // one bad file does not stop the suite
-      result.broken.push_back(one.name + " (" + one.loss + "): " + error.what());
+      result.broken.push_back(name + error.what());
       return;
     }
-    const std::vector<Run> runs = race(tasks, instance, options.repetitions, bar);
-    for (std::size_t k = 0; k < runs.size(); ++k) {
-      lines[places[k]] = line_of(suite, runs[k]);
-      journal.append(lines[places[k]]);
-      log(std::string(suite.name) + " " + one.name + " " + runs[k].task.backend + ": " + runs[k].summary.str());
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      if (!lines[i].is_null()) continue;
+      lines[i] = line_of(runs[i]);
+      journal_.append(lines[i]);
+      log(std::string(suite_.name) + " " + one.name + " " + runs[i].task.backend + ": " + runs[i].summary.str());
     }
   }
   result.lines.insert(result.lines.end(), lines.begin(), lines.end());
 }
 
-}  // namespace
-
-SuiteResult run_suite(const Suite& suite, const RunnerOptions& options, Journal& journal, ProgressBar& bar) {
-  SuiteResult result;
-  for (const Case& one : suite.cases(options.seed)) {
-    if (!one.absent.empty()) {
-      result.skipped.push_back(one.name + " (" + one.loss + "): " + one.absent);
-      continue;
-    }
-    run_case(suite, one, options, journal, bar, result);
-  }
-  return result;
+bool print_end(Terminal& terminal, const SuiteResult& result, const std::string& path) {
+  for (const std::string& skipped : result.skipped) terminal.out << "skipped " << skipped << '\n';
+  if (result.taken > 0)
+    terminal.out << result.taken << " runs were there already (same commit, machine, options and seed); --fresh runs them again\n";
+  if (!result.lines.empty()) terminal.out << "results: " << path << '\n';
+  terminal.out << std::endl;
+  for (const std::string& broken : result.broken) terminal.err << "holdfast: " << broken << '\n';
+  const bool none_failed =
+      std::none_of(result.lines.begin(), result.lines.end(), [](const Json& line) { return line["termination"] == "failed"; });
+  return result.broken.empty() && none_failed;
 }
 
 }  // namespace holdfast::bench

@@ -42,49 +42,6 @@ std::string remark(const Json& run, double above) {
   return remark;
 }
 
-Json line_of(const Suite& suite, const Run& run) {
-  Json line = to_json(run);
-  line["suite"] = suite.name;
-  line["commit"] = commit();
-  line["machine"] = machine();
-  return line;
-}
-
-bool same_run(const Json& a, const Json& b) {
-  for (const char* field :
-       {"suite", "file", "loss", "start", "backend", "seed", "threads", "tolerance", "max_iterations", "time_limit", "commit", "machine"})
-    if (a.value(field, Json()) != b.value(field, Json())) return false;
-  return true;
-}
-
-/// The latest line of each run; empty where one is missing.
-std::vector<Json> known_lines(const Suite& suite, const std::vector<Run>& runs, const Journal& journal) {
-  std::vector<Json> lines;
-  for (const Run& run : runs) {
-    const Json wanted = line_of(suite, run);
-    const auto& known = journal.lines();
-    const auto found = std::find_if(known.rbegin(), known.rend(), [&](const Json& line) { return same_run(line, wanted); });
-    if (found == known.rend()) return {};
-    lines.push_back(*found);
-  }
-  return lines;
-}
-
-void repeat(std::vector<Run>& runs, const Instance& instance, int repetitions, ProgressBar& bar) {
-  Values answer;
-  for (Run& run : runs) {
-    Task task = run.task;
-    bar.begin(task.file + " " + task.backend);
-    task.options.progress = bar.callback();
-    run = run_task(task, instance, answer);
-    run.task.options.progress = nullptr;
-    bar.done_with_one();
-  }
-  for (int i = 1; i < repetitions; ++i)
-    for (Run& run : runs)
-      if (run.seconds.front() < kFast && run.summary.usable()) run.seconds.push_back(run_task(run.task, instance, answer).summary.seconds);
-}
-
 bool begins_with(const std::string& text, const char* start) { return text.rfind(start, 0) == 0; }
 
 }  // namespace
@@ -103,42 +60,6 @@ RunnerOptions race_options(const RunnerOptions& asked) {
   options.solver.threads = 1;
   options.repetitions = std::max(5, asked.repetitions);
   return options;
-}
-
-std::vector<Entrant> single_threaded(const std::vector<std::string>& backends) {
-  std::vector<Entrant> entrants;
-  for (const std::string& backend : backends) entrants.push_back({backend, 1});
-  return entrants;
-}
-
-void race_case(const Suite& suite, const Case& one, const std::vector<Entrant>& entrants, const RunnerOptions& options, Journal& journal,
-               ProgressBar& bar, SuiteResult& result) {
-  if (!one.absent.empty()) {
-    result.skipped.push_back(one.name + " (" + one.start + "): " + one.absent);
-    return;
-  }
-  std::vector<Run> runs;
-  for (const Entrant& entrant : entrants) {
-    runs.emplace_back().task = {one.name, one.loss, one.start, entrant.backend, options.seed, options.solver};
-    runs.back().task.options.threads = entrant.threads;
-    runs.back().task.options.max_iterations = suite.max_iterations;
-  }
-  std::vector<Json> lines = options.fresh ? std::vector<Json>() : known_lines(suite, runs, journal);
-  if (lines.empty()) {
-    try {
-      repeat(runs, one.make(), options.repetitions, bar);
-    } catch (const Error& error) {  // one bad file does not stop the suite
-      result.broken.push_back(one.name + " (" + one.start + "): " + error.what());
-      return;
-    }
-    for (const Run& run : runs) {
-      lines.push_back(line_of(suite, run));
-      journal.append(lines.back());
-    }
-  } else {
-    result.taken += lines.size();
-  }
-  result.lines.insert(result.lines.end(), lines.begin(), lines.end());
 }
 
 double lead(const Json& irls, const std::vector<Json>& lines) {
@@ -170,18 +91,6 @@ void print_race(std::ostream& out, const std::vector<Json>& lines) {
                text("%.1e", above), run["backend"] == "irls" ? text("%.2f", lead(run, lines)) : "", remark(run, above)});
   }
   table.print(out);
-}
-
-bool print_end(Terminal& terminal, const SuiteResult& result, const std::string& path) {
-  for (const std::string& skipped : result.skipped) terminal.out << "skipped " << skipped << '\n';
-  if (result.taken > 0)
-    terminal.out << result.taken << " runs were there already (same commit, machine, options and seed); --fresh runs them again\n";
-  if (!result.lines.empty()) terminal.out << "results: " << path << '\n';
-  terminal.out << std::endl;
-  for (const std::string& broken : result.broken) terminal.err << "holdfast: " << broken << '\n';
-  const bool none_failed =
-      std::none_of(result.lines.begin(), result.lines.end(), [](const Json& line) { return line["termination"] == "failed"; });
-  return result.broken.empty() && none_failed;
 }
 
 void print_head(std::ostream& out, const Suite& suite, const std::string& rules) {

@@ -58,14 +58,19 @@ void print_rules(std::ostream& out, const Suite& suite, const RunnerOptions& opt
       << machine()["cpu"].get<std::string>() << ", " << machine()["cores"] << " cores.\n";
 }
 
-void print_result(std::ostream& out, const SuiteResult& result, const std::string& path) {
-  if (!result.lines.empty()) print_suite(out, result.lines);
-  print_differences(out, result.lines);
-  for (const std::string& skipped : result.skipped) out << "skipped " << skipped << '\n';
-  if (result.taken > 0)
-    out << result.taken << " runs were there already (same commit, machine, options and seed); --fresh runs them again\n";
-  if (!result.lines.empty()) out << "results: " << path << '\n';
-  out << std::endl;
+/// A suite that is no race: every case under every back-end. False where a run is broken or failed.
+bool run_suite(const Suite& suite, const RunnerOptions& options, Journal& journal, Terminal& terminal) {
+  print_rules(terminal.out, suite, options);
+  terminal.out.flush();
+  const std::vector<Case> cases = suite.cases(options.seed);
+  ProgressBar bar(terminal, cases.size() * options.backends.size());
+  Runner runner(suite, kSuitePolicy, options, journal, bar);
+  SuiteResult result;
+  for (const Case& one : cases) runner.run(one, entrants_of(options.backends, options.solver.threads), result);
+  bar.clear();
+  if (!result.lines.empty()) print_suite(terminal.out, result.lines);
+  print_differences(terminal.out, result.lines);
+  return print_end(terminal, result, journal.path());
 }
 
 }  // namespace
@@ -78,22 +83,9 @@ int bench(const BenchArguments& arguments, Terminal& terminal) {
   if (error) fail<BadFile>("cannot make the directory ", arguments.out, ": ", error.message(), "; give another with --out");
   bool all_is_well = true;
   for (const Suite& suite : chosen) {
-    if (suite.race != nullptr) {
-      Journal journal((fs::path(arguments.out) / (std::string(suite.name) + ".jsonl")).string());
-      if (!suite.race(options, journal, terminal)) all_is_well = false;
-      continue;
-    }
-    print_rules(terminal.out, suite, options);
-    terminal.out.flush();
     Journal journal((fs::path(arguments.out) / (std::string(suite.name) + ".jsonl")).string());
-    ProgressBar bar(terminal, suite.cases(options.seed).size() * options.backends.size());
-    const SuiteResult result = run_suite(suite, options, journal, bar);
-    bar.clear();
-    print_result(terminal.out, result, journal.path());
-    for (const std::string& broken : result.broken) terminal.err << "holdfast: " << broken << '\n';
-    if (!result.broken.empty()) all_is_well = false;
-    for (const Json& line : result.lines)
-      if (line["termination"] == "failed") all_is_well = false;
+    const bool is_well = suite.race != nullptr ? suite.race(options, journal, terminal) : run_suite(suite, options, journal, terminal);
+    all_is_well = all_is_well && is_well;
   }
   return all_is_well ? kDone : kFailed;
 }

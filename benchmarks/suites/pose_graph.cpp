@@ -117,14 +117,14 @@ bool race_pose_graphs(const RunnerOptions& asked, Journal& journal, Terminal& te
                  std::to_string(largest_for_ceres(2)) + " poses in the plane, " + std::to_string(largest_for_ceres(3)) +
                  " in space: irls alone.");
   const std::vector<Case> cases = suite.cases(options.seed);
-  std::vector<Entrant> entrants = single_threaded(options.backends);
+  std::vector<Entrant> entrants = entrants_of(options.backends, 1);
   entrants.push_back({"irls", 2});
   ProgressBar bar(terminal, cases.size() * entrants.size() + 4 * std::size(kSizes) - 3);
+  Runner runner(suite, kRacePolicy, options, journal, bar);
   SuiteResult result, growth;
-  for (const Case& one : cases) race_case(suite, one, entrants, options, journal, bar, result);
+  for (const Case& one : cases) runner.run(one, entrants, result);
   for (const int space : {2, 3})
-    for (const int poses : kSizes)
-      race_case(suite, walk_case(space, poses, options.seed), growth_entrants(space, poses), options, journal, bar, growth);
+    for (const int poses : kSizes) runner.run(walk_case(space, poses, options.seed), growth_entrants(space, poses), growth);
   bar.clear();
   print_race(terminal.out, result.lines);
   terminal.out << '\n';

@@ -18,8 +18,9 @@ bool race_ranges(const RunnerOptions& asked, Journal& journal, Terminal& termina
                  std::to_string(options.repetitions) + " in turn.");
   const std::vector<Case> cases = suite.cases(options.seed);
   ProgressBar bar(terminal, cases.size() * options.backends.size());
+  Runner runner(suite, kRacePolicy, options, journal, bar);
   SuiteResult result;
-  for (const Case& one : cases) race_case(suite, one, single_threaded(options.backends), options, journal, bar, result);
+  for (const Case& one : cases) runner.run(one, entrants_of(options.backends, 1), result);
   bar.clear();
   print_race(terminal.out, result.lines);
   return print_end(terminal, result, journal.path());

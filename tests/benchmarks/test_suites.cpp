@@ -95,7 +95,7 @@ TEST_F(Suites, ARaceKeepsEveryRunAndGoesOn) {
   SuiteResult result, again;
   {
     Journal journal(at("small.jsonl"));
-    race_case(suite, one, single_threaded(options.backends), options, journal, stage.bar, result);
+    Runner(suite, kRacePolicy, options, journal, stage.bar).run(one, entrants_of(options.backends, 1), result);
   }
   ASSERT_EQ(result.lines.size(), race_backends().size());
   for (const Json& run : result.lines) {
@@ -104,12 +104,36 @@ TEST_F(Suites, ARaceKeepsEveryRunAndGoesOn) {
   }
   EXPECT_EQ(lines_of(at("small.jsonl")).size(), result.lines.size());
   Journal journal(at("small.jsonl"));
-  race_case(suite, one, single_threaded(options.backends), options, journal, stage.bar, again);
+  Runner runner(suite, kRacePolicy, options, journal, stage.bar);
+  runner.run(one, entrants_of(options.backends, 1), again);
   EXPECT_EQ(again.taken, result.lines.size());
   EXPECT_TRUE(print_end(stage.terminal, again, journal.path()));
-  race_case(suite, broken, single_threaded(options.backends), options, journal, stage.bar, again);
+  runner.run(broken, entrants_of(options.backends, 1), again);
   EXPECT_FALSE(print_end(stage.terminal, again, journal.path()));
-  EXPECT_THAT(stage.err.str(), HasSubstr("line 3 is cut"));
+  EXPECT_THAT(stage.err.str(), HasSubstr("broken (file): line 3 is cut"));
+}
+
+/// A suite goes on with the lines that are there; a race compares seconds of one run, and starts the case again.
+TEST_F(Suites, ARaceWithALineMissingIsRunAsAWhole) {
+  const Suite suite{"small", "", false, 100, {}};
+  const Case one{"walk", "squared", "near truth", [] { return grid_walk(2, 20, 1); }};
+  RunnerOptions options;
+  options.repetitions = 1;
+  Stage stage;
+  SuiteResult first, race, as_suite, both;
+  Journal journal(at("small.jsonl"));
+  Runner(suite, kRacePolicy, options, journal, stage.bar).run(one, {{"irls", 1}}, first);
+  Runner(suite, kRacePolicy, options, journal, stage.bar).run(one, {{"irls", 1}, {"irls", 2}}, race);
+  EXPECT_EQ(race.taken, 0u);
+  EXPECT_EQ(journal.lines().size(), 3u);
+  Runner(suite, kSuitePolicy, options, journal, stage.bar).run(one, {{"nesterov", 1}, {"irls", 1}}, as_suite);
+  EXPECT_EQ(as_suite.taken, 1u);
+  ASSERT_EQ(as_suite.lines.size(), 2u);
+  EXPECT_EQ(as_suite.lines[0]["backend"], "nesterov");
+  EXPECT_EQ(as_suite.lines[1], journal.lines()[1]) << "the latest of its runs";
+  Runner(suite, kRacePolicy, options, journal, stage.bar).run(one, {{"irls", 1}, {"irls", 2}}, both);
+  EXPECT_EQ(both.taken, 2u);
+  EXPECT_EQ(both.lines, race.lines);
 }
 
 TEST(WindowRace, EveryRowEndsInTheSameMinimum) {
