@@ -14,7 +14,7 @@ const char* to_string(Arrival arrival) {
   return names[static_cast<int>(arrival)];
 }
 
-Stream::Stream(End a, End b, double first, double period) : a_(a), b_(b), first_(first), period_(period) {
+Stream::Stream(StreamEnd a, StreamEnd b, double first, double period) : a_(a), b_(b), first_(first), period_(period) {
   if (!(std::isfinite(period) && period > 0)) fail<BadNumber>("a stream of measurements: period = ", period, " must be finite and > 0 [s]");
   if (!std::isfinite(first)) fail<BadNumber>("a stream of measurements: first = ", first, " must be finite [s]");
 }
@@ -130,9 +130,9 @@ void Stream::read(io::ByteReader& in, const Graph& graph) {
   read_measurements(in);
 }
 
-void Schedule::require(int stream) const {
-  if (stream < 0 || stream >= static_cast<int>(streams_.size()))
-    fail<BadKey>("there is no stream ", stream, "; expect() returns their numbers");
+Stream& Schedule::known(const AnyStreamId& id) const {
+  if (id.schedule_ != this) fail<BadKey>("a stream of another schedule, or of none; give what expect() of this one returned");
+  return *streams_[id.number_];
 }
 
 std::string Schedule::save() const {

@@ -1,7 +1,7 @@
 // Missing data as an object: which measurements were expected, and what became of each.
 //
 //   Schedule schedule(window);
-//   const int ranges = schedule.expect<Range<Motion2, Point2>>('A', L(0), t0, 0.1,                       // one each 0.1 s from t0 on
+//   const auto ranges = schedule.expect<Range<Motion2, Point2>>('A', L(0), t0, 0.1,                       // one each 0.1 s from t0 on
 //       [](const auto& last, int m) { return MissingDistance<Motion2, Point2>{last.distance, last.sigma, 0.3 * std::sqrt(m)}; });
 //   schedule.receive(ranges, t, Range<Motion2, Point2>{12.3, 0.5}, Huber{2});
 //   schedule.lose(ranges, t, Arrival::out_of_range);            // known to be missing
@@ -24,12 +24,12 @@ enum class Arrival : int { received, rejected, dropped, out_of_range };
 const char* to_string(Arrival arrival);
 
 /// One end of a measurement: an agent at the time of the measurement, or a landmark.
-struct End {
+struct StreamEnd {
   std::optional<Agent> agent;  ///< none: the landmark
   Key landmark;
-  End(char kind) : agent(kind) {}
-  End(Agent moving) : agent(moving) {}
-  End(Key key) : landmark(key) {}
+  StreamEnd(char kind) : agent(kind) {}
+  StreamEnd(Agent moving) : agent(moving) {}
+  StreamEnd(Key key) : landmark(key) {}
 };
 
 /// Measurements of one kind between the same two ends, one each `period` [s] from `first` [s] on.
@@ -51,10 +51,10 @@ class Stream {
   void read(io::ByteReader& in, const Graph& graph);
 
  protected:
-  Stream(End a, End b, double first, double period);
+  Stream(StreamEnd a, StreamEnd b, double first, double period);
   std::int64_t number_at(double time) const;
   double due(std::int64_t number) const { return first_ + static_cast<double>(number) * period_; }
-  Key key_of(Window& window, const End& end, double time) const { return end.agent ? window.at(*end.agent, time) : end.landmark; }
+  Key key_of(Window& window, const StreamEnd& end, double time) const { return end.agent ? window.at(*end.agent, time) : end.landmark; }
   /// The entry of this number, dropped as yet where it is new; those before it that are not there are dropped, too.
   std::size_t place(Window& window, std::int64_t number);
   void set(Entry& entry, Arrival arrival);
@@ -69,21 +69,28 @@ class Stream {
   virtual void write_measurements(io::ByteWriter& out) const = 0;
   virtual void read_measurements(io::ByteReader& in) = 0;
 
-  End a_, b_;
+  StreamEnd a_, b_;
   double first_, period_;
   std::deque<Entry> entries_;
   std::int64_t next_ = 0;  ///< the first number that has no entry yet
   std::array<std::size_t, 4> counts_{};
 };
 
+/// Takes measurements of type F.
+template <class F>
+struct Receiver {
+  virtual ~Receiver() = default;
+  virtual void receive(Window& window, double time, const F& factor, const Loss& loss) = 0;
+};
+
 template <class F, class Make>
-class StreamOf final : public Stream {
+class StreamOf final : public Stream, public Receiver<F> {
   static_assert(F::Variables::size == 2, "a stream is of measurements between two variables");
 
  public:
-  StreamOf(End a, End b, double first, double period, Make make) : Stream(a, b, first, period), make_(std::move(make)) {}
+  StreamOf(StreamEnd a, StreamEnd b, double first, double period, Make make) : Stream(a, b, first, period), make_(std::move(make)) {}
 
-  void receive(Window& window, double time, const F& factor, const Loss& loss) {
+  void receive(Window& window, double time, const F& factor, const Loss& loss) override {
     const std::int64_t number = number_at(time);
     const FactorId id = window.add(factor, {key_of(window, a_, time), key_of(window, b_, time)}, loss);  // or it is refused
     const std::size_t i = place(window, number);
@@ -149,49 +156,64 @@ class StreamOf final : public Stream {
   std::int64_t before_number_ = 0;
 };
 
+class Schedule;
+
+/// Names one stream of one schedule.
+class AnyStreamId {
+ public:
+  AnyStreamId() = default;  ///< of no stream
+
+ private:
+  friend class Schedule;
+  const Schedule* schedule_ = nullptr;
+  int number_ = -1;
+};
+/// The same, and that its measurements are of type F: what expect<F>() returns.
+template <class F>
+class StreamId : public AnyStreamId {
+ public:
+  using Measurement = F;
+};
+
 class Schedule {
  public:
   /// The window must live as long.
   explicit Schedule(Window& window) : window_(window) {}
+  Schedule(const Schedule&) = delete;  // its streams are named by where it is
+  Schedule& operator=(const Schedule&) = delete;
 
-  /// Returns the stream's number. make(last, m): see above; none: a missing measurement says nothing. Throws BadNumber (period).
+  /// A stream of measurements F. make(last, m): see above; none: a missing measurement says nothing. Throws BadNumber (period).
   template <class F, class Make = std::nullptr_t>
-  int expect(End a, End b, double first, double period, Make make = {}) {
+  StreamId<F> expect(StreamEnd a, StreamEnd b, double first, double period, Make make = {}) {
     streams_.push_back(std::make_unique<StreamOf<F, Make>>(a, b, first, period, std::move(make)));
-    receivers_.push_back([](Stream& stream, Window& window, double time, const void* factor, const Loss& loss) {
-      static_cast<StreamOf<F, Make>&>(stream).receive(window, time, *static_cast<const F*>(factor), loss);
-    });
-    types_.emplace_back(typeid(F));
-    return static_cast<int>(streams_.size()) - 1;
+    StreamId<F> id;
+    id.schedule_ = this;
+    id.number_ = static_cast<int>(streams_.size()) - 1;
+    return id;
   }
-  /// Throws BadKey (no such stream), BadType (of other measurements), BadTime (refused).
+  /// Throws BadKey (a stream of another schedule), BadTime (refused). A measurement of another type does not compile.
   template <class F>
-  void receive(int stream, double time, const F& factor, const Loss& loss = {}) {
-    require(stream);
-    if (types_[stream] != typeid(F))
-      fail<BadType>("stream ", stream, " is not of ", factor_name<F>(), "; give it the type it was expected with");
-    receivers_[stream](*streams_[stream], window_, time, &factor, loss);
+  void receive(const StreamId<F>& id, double time, const typename StreamId<F>::Measurement& factor, const Loss& loss = {}) {
+    dynamic_cast<Receiver<F>&>(known(id)).receive(window_, time, factor, loss);
   }
-  void lose(int stream, double time, Arrival why) { require(stream), streams_[stream]->lose(window_, time, why); }
+  void lose(const AnyStreamId& id, double time, Arrival why) { known(id).lose(window_, time, why); }
   void close(double now) {
     for (auto& stream : streams_) stream->close(window_, now);
   }
   void judge(const std::vector<MeasurementReport>& report) {
     for (auto& stream : streams_) stream->judge(report);
   }
-  const Stream& stream(int number) const { return require(number), *streams_[number]; }
+  const Stream& stream(const AnyStreamId& id) const { return known(id); }
 
   /// For Window::save(path, note) and what restore() returns; into a schedule with the same streams, after the window. Throws BadFile.
   std::string save() const;
   void restore(std::string_view bytes);
 
  private:
-  void require(int stream) const;
+  Stream& known(const AnyStreamId& id) const;
 
   Window& window_;
   std::vector<std::unique_ptr<Stream>> streams_;
-  std::vector<void (*)(Stream&, Window&, double, const void*, const Loss&)> receivers_;
-  std::vector<std::type_index> types_;
 };
 
 }  // namespace holdfast

@@ -19,7 +19,7 @@ using Missing = MissingDistance<Motion2, Point2>;
 struct Robot {
   Window window;
   Schedule schedule{window};
-  int ranges;
+  StreamId<To> ranges;
 
   explicit Robot(bool silent = false, double lag = 8) : window(options(lag)) {
     window.add_agent('A', WhiteAcceleration<Motion2>::exact(1, 1, 0.1 * Matrix<4, 4>::Identity()), 1.0);
@@ -125,12 +125,27 @@ TEST(Schedule, WhatTheWindowRefusesChangesNothing) {
   const std::size_t dropped = robot.stream().count(Arrival::dropped);
   EXPECT_THROW(robot.receive(3), BadTime);
   EXPECT_THROW(robot.receive(-5), BadTime);
-  EXPECT_THROW(robot.schedule.receive(robot.ranges, 12, Range<Motion2, Motion2>{1, 1}), BadType);
-  EXPECT_THROW(robot.schedule.receive(9, 12, Robot::range(12)), BadKey);
+  Robot another;
+  EXPECT_THROW(robot.schedule.receive(another.ranges, 12, Robot::range(12)), BadKey);
+  EXPECT_THROW(robot.schedule.receive(StreamId<To>(), 12, Robot::range(12)), BadKey);
+  EXPECT_THROW(robot.schedule.lose(another.ranges, 12, Arrival::dropped), BadKey);
   EXPECT_EQ(robot.stream().count(Arrival::dropped), dropped);
   robot.receive(10);
   EXPECT_EQ(robot.stream().count(Arrival::dropped), dropped - 1);
   EXPECT_LE(robot.stream().entries().size(), 7u);  // the past is forgotten
+}
+
+template <class Measurement, class = void>
+struct TakesFromAStreamOfRanges : std::false_type {};
+template <class Measurement>
+struct TakesFromAStreamOfRanges<
+    Measurement, std::void_t<decltype(std::declval<Schedule&>().receive(std::declval<StreamId<To>>(), 0.0, std::declval<Measurement>()))>>
+    : std::true_type {};
+
+TEST(Schedule, AMeasurementOfAnotherTypeDoesNotCompile) {
+  EXPECT_TRUE(TakesFromAStreamOfRanges<To>::value);
+  EXPECT_FALSE((TakesFromAStreamOfRanges<Range<Motion2, Motion2>>::value));
+  EXPECT_FALSE(TakesFromAStreamOfRanges<Missing>::value);
 }
 
 TEST(Schedule, RefusesTimesThatItCannotHaveExpected) {
@@ -170,7 +185,7 @@ TEST(Schedule, BoundsWhatWasSkippedWhenTheNextIsHeardOf) {
 
 TEST(Schedule, AnAgentIsBoundWhileItIsThere) {
   Robot robot;
-  const int later = robot.schedule.expect<To>('B', L(0), 1.0, 1.0, [](const To& last, int) {
+  const StreamId<To> later = robot.schedule.expect<To>('B', L(0), 1.0, 1.0, [](const To& last, int) {
     return Missing{last.distance, last.sigma, 1};
   });
   for (int t = 1; t <= 3; ++t) robot.step(t);
