@@ -218,6 +218,63 @@ TEST(Converting, WhatDoesNotFitIsNamed) {
   expect_message<BadFile>([&] { to_g2o(broken); }, {"cannot write 'VERTEX_SE2 3 nan'", "not finite"});
 }
 
+Dataset only(const VertexValue& value, std::optional<double> time) {
+  Dataset dataset;
+  dataset.vertices.push_back({Key('x', 1), value, {}, time, 0});
+  return dataset;
+}
+Dataset only(const Measurement& measurement, std::optional<double> time) {
+  Dataset dataset;
+  dataset.edges.push_back({measurement, time, 0});
+  return dataset;
+}
+
+TEST(Converting, WhatAFormatHasNoLineForIsNamed) {
+  const Key x1('x', 1), x2('x', 2);
+  const RangeEdge range{x1, x2, 3, 1};
+  const RelativePoseEdge<Pose2> pose{x1, x2, Pose2(1, 0, 0), {}, {}};
+  const RelativePointEdge<Point2> point{x1, x2, Point2(1, 0), {}, {}, 0};
+  const RelativePointEdge<Point3> point3{x1, x2, Point3(1, 0, 0), {}, {}, {}};
+  const PriorEdge<Pose2> prior{x1, Pose2(), {}, {}, {}};
+  const PriorEdge<Point2> point_prior{x1, Point2(), {}, {}, {}};
+  Dataset fixed, offset;
+  fixed.fixed.push_back({x1, 0});
+  offset.offsets.push_back({7, Pose3(), {}, 0});
+  const std::optional<double> no_time, time = 2;
+  const struct {
+    Dataset dataset;
+    Format format;
+    std::vector<std::string> parts;
+  } all[] = {
+      {only(Pose2(), no_time), Format::PyFG, {"a PyFG file cannot hold vertex x1 (Pose2)", "no time stamp; give it one"}},
+      {only(Point2(), time), Format::PyFG, {"vertex x1 (Point2)", "point vertices have no time stamp; clear it"}},
+      {only(range, no_time), Format::PyFG, {"range x1 x2", "no time stamp; give it one"}},
+      {fixed, Format::PyFG, {"the fixed variable x1", "no FIX line; clear `fixed`, or add a prior"}},
+      {only(Point3(), time), Format::G2o, {"a g2o file cannot hold vertex x1 (Point3)", "no time stamps; clear them"}},
+      {only(pose, time), Format::G2o, {"relative pose x1 x2", "no time stamps; clear them"}},
+      {only(range, no_time), Format::G2o, {"range x1 x2", "no range edge; write PyFG"}},
+      {only(point, no_time), Format::G2o, {"relative point x1 x2", "name no sensor offset; clear it"}},
+      {only(point3, no_time), Format::G2o, {"relative point x1 x2", "needs a sensor offset"}},
+      {only(point_prior, no_time), Format::G2o, {"prior x1", "no prior on a point"}},
+      {only(Pose2(), time), Format::Toro, {"a TORO file cannot hold vertex x1 (Pose2)", "no time stamps; clear them"}},
+      {only(Point2(), no_time), Format::Toro, {"vertex x1 (Point2)", "poses alone"}},
+      {only(pose, time), Format::Toro, {"relative pose x1 x2", "no time stamps; clear them"}},
+      {only(prior, no_time), Format::Toro, {"prior x1", "relative poses alone"}},
+      {fixed, Format::Toro, {"the fixed variable x1", "no FIX line"}},
+      {offset, Format::Toro, {"a sensor offset", "no PARAMS lines"}},
+  };
+  for (const auto& one : all) {
+    SCOPED_TRACE(one.parts.back());
+    expect_message<BadFile>([&] { to_text(one.dataset, one.format); }, one.parts);
+  }
+}
+
+TEST(Converting, ASensorOffsetIsTheIdentityAndLeftOutOfPyFG) {
+  Dataset dataset = only(RelativePointEdge<Point3>{Key('x', 1), Key('L', 2), Point3(1, 2, 3), {}, {}, 7}, 0.5);
+  dataset.offsets.push_back({7, Pose3(), {}, 0});
+  EXPECT_EQ(to_pyfg(dataset), "EDGE_SE3_XYZ 0.5 x1 L2 1 2 3 1 0 0 1 0 1\n");
+}
+
 struct German : std::numpunct<char> {
   char do_decimal_point() const override { return ','; }
   char do_thousands_sep() const override { return '.'; }
