@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 #include <holdfast/benchmarks/race.hpp>
 #include <holdfast/common/machine.hpp>
 #include <holdfast/common/report.hpp>
@@ -20,13 +19,6 @@ double above_best(const Json& run, const std::vector<Json>& lines) {
   return (run["cost"].get<double>() - best) / std::max(std::abs(best), std::numeric_limits<double>::min());
 }
 
-std::string text(const char* format, double number) {
-  if (!std::isfinite(number)) return "-";
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, format, number);
-  return buffer;
-}
-
 double number(const Json& json) { return json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN(); }
 
 std::string label(const Json& run) {
@@ -38,7 +30,7 @@ std::string remark(const Json& run, double above) {
   if (run["termination"] == "failed") return "failed: " + run["why"].get<std::string>();
   std::string remark = run["termination"] == "converged" ? "" : run["termination"].get<std::string>();
   if (run.value("restarts", 0) > 0) remark += (remark.empty() ? "" : ", ") + std::string("with a chordal restart");
-  if (above > kSameCost) remark += (remark.empty() ? "" : ", ") + std::string("NOT the best cost: ") + text("%+.2g", above) + " of it";
+  if (above > kSameCost) remark += (remark.empty() ? "" : ", ") + std::string("NOT the best cost: ") + cell("%+.2g", above) + " of it";
   return remark;
 }
 
@@ -87,8 +79,8 @@ void print_race(std::ostream& out, const std::vector<Json>& lines) {
     const bool first = i == 0 || !same_problem(run, lines[i - 1]);
     const double above = above_best(run, lines);
     table.add({first ? run["file"].get<std::string>() : "", first ? run["start"].get<std::string>() : "", label(run),
-               text("%.5f", number(run["seconds"])), text("%.0f", number(run["iterations"])), text("%.8g", number(run["cost"])),
-               text("%.1e", above), run["backend"] == "irls" ? text("%.2f", lead(run, lines)) : "", remark(run, above)});
+               cell("%.5f", number(run["seconds"])), cell("%.0f", number(run["iterations"])), cell("%.8g", number(run["cost"])),
+               cell("%.1e", above), run["backend"] == "irls" ? cell("%.2f", lead(run, lines)) : "", remark(run, above)});
   }
   table.print(out);
 }

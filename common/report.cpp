@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 #include <holdfast/common/report.hpp>
 #include <holdfast/common/table.hpp>
 #include <map>
@@ -7,12 +6,7 @@
 namespace holdfast::common {
 namespace {
 
-std::string text(const Json& json, const char* format) {
-  if (!json.is_number()) return "-";
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, format, json.get<double>());
-  return buffer;
-}
+std::string text(const Json& json, const char* format) { return json.is_number() ? cell(format, json.get<double>()) : "-"; }
 
 /// Runs of one name were given the same problem.
 std::string problem_of(const Json& run) {

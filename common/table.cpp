@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <holdfast/common/table.hpp>
 
 namespace holdfast::common {
@@ -10,6 +12,13 @@ std::size_t width_of(const std::string& text) {
 }
 
 }  // namespace
+
+std::string cell(const char* format, double number) {
+  if (!std::isfinite(number)) return "-";
+  char buffer[60];
+  std::snprintf(buffer, sizeof buffer, format, number);
+  return buffer;
+}
 
 void Table::print(std::ostream& out) const {
   std::vector<std::size_t> widths;

@@ -7,6 +7,9 @@
 
 namespace holdfast::common {
 
+/// A number as a cell, in printf's format; "-" where it is not finite.
+std::string cell(const char* format, double number);
+
 class Table {
  public:
   enum class Align { left, right };

@@ -8,12 +8,7 @@
 namespace holdfast::bench {
 namespace {
 
-std::string text(double value) {
-  if (!std::isfinite(value)) return "-";
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, "%.4g", value);
-  return buffer;
-}
+std::string text(double value) { return common::cell("%.4g", value); }
 
 std::string median_and_band(const Cell& cell) {
   std::string text_of =

@@ -1,10 +1,9 @@
-// Random numbers that are the same with every standard library: the engine is specified, std::normal_distribution is not.
+// What scenarios draw: the same with every standard library (graph/detail/random.hpp).
 #pragma once
 
 #include <cmath>
 #include <cstdint>
-#include <holdfast/graph/math.hpp>
-#include <random>
+#include <holdfast/graph/detail/random.hpp>
 
 namespace holdfast::bench {
 
@@ -13,16 +12,13 @@ class Random {
   explicit Random(std::uint64_t seed) : engine_(seed) {}
 
   /// In [0, 1).
-  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
+  double uniform() { return detail::uniform(engine_); }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   int index(int size) { return static_cast<int>(uniform() * size); }
   bool chance(double probability) { return uniform() < probability; }
 
-  /// N(0, 1), by Box and Muller. One of the pair is thrown away: the state is the engine's alone.
-  double normal() {
-    const double radius = std::sqrt(-2 * std::log1p(-uniform()));
-    return radius * std::cos(2 * kPi * uniform());
-  }
+  /// N(0, 1).
+  double normal() { return detail::normal(engine_); }
   /// Γ(shape, 1), by Marsaglia and Tsang (2000); shape > 0.
   double gamma(double shape) {
     if (shape < 1) {

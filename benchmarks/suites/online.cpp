@@ -1,7 +1,6 @@
 #include <time.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 #include <holdfast/benchmarks/race.hpp>
 #include <holdfast/benchmarks/scenarios/random.hpp>
@@ -191,12 +190,6 @@ Json consistency(const std::string& name, double outliers, const Loss& loss, int
   return line;
 }
 
-std::string text(const char* format, double number) {
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, format, number);
-  return buffer;
-}
-
 }  // namespace
 
 bool race_online(const RunnerOptions& options, Journal& journal, Terminal& terminal) {
@@ -220,9 +213,9 @@ bool race_online(const RunnerOptions& options, Journal& journal, Terminal& termi
                {"failed", Table::Align::right}});
   for (const Timed& row : timed()) {
     const Json line = lines.emplace_back(time(row, options.seed, bar));
-    steps.add({line["window"], line["steps"].dump(), text("%.1f", line["median_us"]), text("%.1f", line["p99_us"]),
-               text("%.0f", line["worst_us"]), text("%.1f", line["add_us"]), text("%.1f", line["solve_us"]),
-               text("%.1f", line["marginalize_us"]), text("%+.2f", line["memory_growth_mb"]), line["failed"].dump()});
+    steps.add({line["window"], line["steps"].dump(), cell("%.1f", line["median_us"]), cell("%.1f", line["p99_us"]),
+               cell("%.0f", line["worst_us"]), cell("%.1f", line["add_us"]), cell("%.1f", line["solve_us"]),
+               cell("%.1f", line["marginalize_us"]), cell("%+.2f", line["memory_growth_mb"]), line["failed"].dump()});
   }
   Table anees({{"marginalised window of 14 states, after 100 steps", Table::Align::left},
                {"runs", Table::Align::right},
@@ -230,7 +223,7 @@ bool race_online(const RunnerOptions& options, Journal& journal, Terminal& termi
                {"95 % band", Table::Align::right}});
   const auto consistent = [&](const std::string& name, double outliers, const Loss& loss) {
     const Json line = lines.emplace_back(consistency(name, outliers, loss, kRuns, options.seed, bar));
-    anees.add({line["window"], line["runs"].dump(), text("%.3f", line["anees"]), text("1 ± %.3f", line["band_95"])});
+    anees.add({line["window"], line["runs"].dump(), cell("%.3f", line["anees"]), cell("1 ± %.3f", line["band_95"])});
   };
   consistent("Gaussian noise, squared", 0, Squared{});
   consistent("20 % outliers, truncated squares 4", 0.2, TruncatedSquares{4});

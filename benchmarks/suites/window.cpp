@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 #include <holdfast/benchmarks/race.hpp>
 #include <holdfast/benchmarks/scenarios/scenario.hpp>
 #include <holdfast/common/machine.hpp>
@@ -138,12 +137,6 @@ Json line_of(const Row& row, const std::vector<Row>& all, unsigned seed) {
   return line;
 }
 
-std::string text(const char* format, double number) {
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, format, number);
-  return buffer;
-}
-
 void print_windows(std::ostream& out, const std::vector<Json>& lines) {
   std::vector<Table::Column> columns{{"back-end", Table::Align::left}};
   for (const char* title : {"tolerance", "median [µs]", "mean [µs]", "p95 [µs]", "iterations", "ceres/this, medians", "ceres/this, means",
@@ -154,12 +147,12 @@ void print_windows(std::ostream& out, const std::vector<Json>& lines) {
     const auto ratio = [&](const char* field) -> std::string {
       for (const Json& other : lines)
         if (other["backend"] == "ceres" && other["tolerance"] == line["tolerance"])
-          return text("%.2f", other[field].get<double>() / line[field].get<double>());
+          return cell("%.2f", other[field].get<double>() / line[field].get<double>());
       return "-";
     };
-    table.add({line["backend"], text("%g", line["tolerance"]), text("%.1f", line["median_us"]), text("%.1f", line["mean_us"]),
-               text("%.1f", line["p95_us"]), text("%.1f", line["iterations_mean"]), ratio("median_us"), ratio("mean_us"),
-               text("%.1e", line["largest_excess"]), line["at_limit"].dump()});
+    table.add({line["backend"], cell("%g", line["tolerance"]), cell("%.1f", line["median_us"]), cell("%.1f", line["mean_us"]),
+               cell("%.1f", line["p95_us"]), cell("%.1f", line["iterations_mean"]), ratio("median_us"), ratio("mean_us"),
+               cell("%.1e", line["largest_excess"]), line["at_limit"].dump()});
   }
   table.print(out);
 }

@@ -1,10 +1,9 @@
-#include <cmath>
 #include <deque>
+#include <holdfast/graph/detail/random.hpp>
 #include <holdfast/graph/require.hpp>
 #include <holdfast/graph/starts/start.hpp>
 #include <map>
 #include <optional>
-#include <random>
 
 namespace holdfast {
 namespace {
@@ -97,29 +96,15 @@ class PoseTree {
   std::deque<Link> open_;
 };
 
-/// N(0, 1) by Box and Muller: std::normal_distribution differs between standard libraries.
-class Normal {
- public:
-  explicit Normal(unsigned seed) : bits_(seed) {}
-  double operator()() {
-    const double radius = std::sqrt(-2 * std::log(1 - uniform()));  // 1 − u > 0
-    return radius * std::cos(2 * kPi * uniform());
-  }
-
- private:
-  double uniform() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }
-  std::mt19937_64 bits_;
-};
-
 template <class Pose, class Point>
 void insert_points(const Dataset& dataset, double sigma, unsigned seed, Values& values) {
   std::map<Key, Point> points;
   for (const Vertex& vertex : dataset.vertices)
     if (const Point* point = std::get_if<Point>(&vertex.value)) points.emplace(vertex.key, *point);
-  Normal normal(seed);
+  std::mt19937_64 engine(seed);
   if (sigma > 0)
     for (auto& [key, point] : points)
-      for (int axis = 0; axis < Point::dim; ++axis) point.value[axis] += sigma * normal();
+      for (int axis = 0; axis < Point::dim; ++axis) point.value[axis] += sigma * detail::normal(engine);
   for (const Edge& edge : dataset.edges)
     if (const auto* relative = std::get_if<RelativePointEdge<Point>>(&edge.measurement)) {
       const Pose& pose = values.at<Pose>(relative->pose);
