@@ -103,6 +103,36 @@ TEST_F(Bench, RunsAgainUnderOtherOptions) {
   EXPECT_EQ(run_two(path, other).taken, 0u);
 }
 
+TEST_F(Bench, ARunIsThereAlreadyOnlyWhereAllOfTheQuestionIsTheSame) {
+  const auto small = [] { return swarm(3, 1); };
+  const Suite suite{"a suite", "", false, 100, {}};
+  const Case one{"swarm", "squared", "anywhere", small};
+  RunnerOptions options;
+  options.repetitions = 1;
+  std::ostringstream out, err;
+  Terminal terminal{out, err, false};
+  ProgressBar bar(terminal, 10);
+  Journal journal(at("all.jsonl"));
+  const auto taken = [&](const Suite& of, const Case& what, const RunnerOptions& how, int threads = 1) {
+    SuiteResult result;
+    Runner(of, kSuitePolicy, how, journal, bar).run(what, {{"irls", threads}}, result);
+    EXPECT_EQ(result.lines.size(), 1u);
+    return result.taken;
+  };
+  EXPECT_EQ(taken(suite, one, options), 0u);
+  EXPECT_EQ(taken(suite, one, options), 1u);
+  EXPECT_EQ(taken(suite, one, options, 2), 0u) << "threads";
+  EXPECT_EQ(taken({"another", "", false, 100, {}}, one, options), 0u) << "suite";
+  EXPECT_EQ(taken({"a suite", "", false, 99, {}}, one, options), 0u) << "iterations";
+  EXPECT_EQ(taken(suite, {"school", "squared", "anywhere", small}, options), 0u) << "file";
+  EXPECT_EQ(taken(suite, {"swarm", "huber:2", "anywhere", small}, options), 0u) << "loss";
+  EXPECT_EQ(taken(suite, {"swarm", "squared", "elsewhere", small}, options), 0u) << "start";
+  RunnerOptions slow = options;
+  slow.solver.time_limit = 5;
+  EXPECT_EQ(taken(suite, one, slow), 0u) << "time limit";
+  EXPECT_EQ(taken(suite, one, options), 1u);
+}
+
 TEST_F(Bench, GivesTheSameNumbersForTheSameSeed) {
   const auto first = facts(run_two(at("a.jsonl"), quick()).lines), second = facts(run_two(at("b.jsonl"), quick()).lines);
   EXPECT_EQ(first, second);
