@@ -127,23 +127,43 @@ class StreamOf final : public Stream, public Receiver<F> {
   }
   void made_room() override { measurements_.emplace_back(); }
 
+  // In a file a measurement is its fields by name (graph/fields.hpp): a program whose measurement has others refuses it.
+  static constexpr bool kIsSaved = detail::HasFields<F>::value && std::is_default_constructible_v<F>;
+
+  static std::string fields() {
+    if constexpr (kIsSaved) return detail::types_of_fields<F>();
+    fail<BadOption>("a schedule of ", factor_name<F>(),
+                    " cannot be saved: it has no fields() (graph/fields.hpp), or no default constructor");
+  }
   static void write(io::ByteWriter& out, const std::optional<F>& factor) {
     out.put(factor.has_value());
-    if (factor) out.put(&*factor, sizeof(F));
+    if constexpr (kIsSaved) {
+      if (!factor) return;
+      char bytes[detail::field_bytes<F>()];
+      char* end = bytes;
+      detail::put_field(*factor, end);
+      out.put(bytes, sizeof bytes);
+    }
   }
   static std::optional<F> read_one(io::ByteReader& in) {
-    static_assert(std::is_trivially_destructible_v<F>, "a factor that owns memory cannot be saved");
-    if (!in.get<bool>()) return std::nullopt;
-    alignas(F) unsigned char bytes[sizeof(F)];
-    std::memcpy(bytes, in.take(sizeof(F)), sizeof(F));
-    return *reinterpret_cast<const F*>(bytes);
+    if constexpr (kIsSaved) {
+      if (!in.get<bool>()) return std::nullopt;
+      F factor{};
+      const char* bytes = in.take(detail::field_bytes<F>());
+      detail::get_field(factor, bytes);
+      return factor;
+    }
+    return std::nullopt;
   }
   void write_measurements(io::ByteWriter& out) const override {
+    out.put(std::string_view(fields()));
     write(out, before_);
     out.put(before_number_);
     for (const std::optional<F>& factor : measurements_) write(out, factor);
   }
   void read_measurements(io::ByteReader& in) override {
+    const std::string saved = in.get_text();
+    if (saved != fields()) fail<BadFile>("the schedule saved has measurements of {", saved, "}, here they are of {", fields(), "}");
     before_ = read_one(in);
     before_number_ = in.get<std::int64_t>();
     measurements_.clear();

@@ -4,6 +4,7 @@
 #include <holdfast/factors/missing_distance.hpp>
 #include <holdfast/solvers/window/schedule.hpp>
 
+#include "tests/graph/files/helpers.hpp"
 #include "tests/problems.hpp"
 
 namespace holdfast::testing {
@@ -210,7 +211,7 @@ TEST(Schedule, TellsAgentsOfOneKindApart) {
     robot.window.add_agent(agent, WhiteAcceleration<Motion2>::exact(1, 1, 0.1 * Matrix<4, 4>::Identity()), 1.0);
     robot.window.add_state(agent(0), 0.0, Motion2(0, 0, 0, 0));
   }
-  const int stream = robot.schedule.expect<To>(second, L(0), 1.0, 1.0);
+  const auto stream = robot.schedule.expect<To>(second, L(0), 1.0, 1.0);
   robot.schedule.receive(stream, 1, To{5, 0.1});
   EXPECT_EQ(robot.window.newest_key(first), first(0));
   EXPECT_EQ(robot.window.newest_key(second), second(1));
@@ -238,6 +239,10 @@ TEST(Schedule, IsSavedWithItsWindow) {
   Window other;
   Schedule none(other);
   EXPECT_THROW(none.restore(first.schedule.save()), BadFile);
+  Schedule of_others(first.window);
+  of_others.expect<Missing>('A', L(0), 1.0, 1.0);
+  testing_io::expect_message<BadFile>([&] { of_others.restore(first.schedule.save()); },
+                                      {"{distance double, sigma double}", "d_prev double"});
   Robot without_its_window;
   EXPECT_THROW(without_its_window.schedule.restore(first.schedule.save()), BadFile);
   std::remove(path.c_str());
