@@ -6,6 +6,7 @@
 #include <holdfast/solvers/ceres/ceres.hpp>
 #endif
 
+#include "tests/backends.hpp"
 #include "tests/draws.hpp"
 #include "tests/problems.hpp"
 
@@ -97,13 +98,15 @@ void expect_honest_step(const std::string& backend, const Graph& graph, Values v
   EXPECT_NEAR(summary.cost_first, first, 1e-12 * first);
   EXPECT_NEAR(summary.cost, graph.cost(values), 1e-12 * first);
   EXPECT_LE(summary.cost, first * (1 + 1e-12));
-  EXPECT_LE(summary.iterations, 1);
+  if (backend != kGnc) {
+    EXPECT_LE(summary.iterations, 1);
+  }
 }
 
 TEST(EveryFactor, EveryBackendIsHonestAboutAStep) {
   for_each_draw(1, [](const Draw& draw, const Values& at, const std::mt19937_64& rng) {
     for (const Loss& loss : every_loss(draw.residual_dim))
-      for (const std::string& backend : backend_names()) {
+      for (const std::string& backend : every_backend()) {
         SCOPED_TRACE(backend + " " + loss.str());
         expect_honest_step(backend, held(draw, at, loss, rng), at);
       }
@@ -114,7 +117,7 @@ TEST(EveryFactor, EveryBackendIsHonestAboutAStep) {
 void expect_same_optimum(const Graph& graph, const Values& at) {
   double least = INFINITY;
   std::vector<std::pair<std::string, double>> costs;
-  for (const std::string& backend : backend_names()) {
+  for (const std::string& backend : every_backend()) {
     Values values = at;
     const Summary summary = solve(backend, graph, values);
     ASSERT_TRUE(summary.usable()) << backend << ": " << summary.str();

@@ -1,4 +1,5 @@
-// A term of our cost in a foreign graph: what the adapters of hosts with variable types of their own (GTSAM, g2o) have in common.
+// A term of our cost in a foreign graph: what the adapters of libraries with variable types of their own (GTSAM, g2o) have in common.
+// Such a library is called the host here.
 #pragma once
 
 #include <holdfast/adapters/detail/term.hpp>

@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <holdfast/factors/bearing_ray.hpp>
 #include <holdfast/factors/von_mises_bearing.hpp>
 #include <holdfast/graph/variables.hpp>
 #include <holdfast/testing.hpp>
+
+#include "tests/conforms.hpp"
 
 namespace holdfast {
 namespace {
@@ -55,3 +58,5 @@ TEST(BearingRay, RawIsTheWayToTheRayInMetres) {
 
 }  // namespace
 }  // namespace holdfast
+
+HOLDFAST_CONFORMS(OnSomePairs<BearingRay>);

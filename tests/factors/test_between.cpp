@@ -3,6 +3,8 @@
 #include <holdfast/factors/between.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -83,3 +85,17 @@ TEST(Between, RefusesNumbersThatAreNone) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <class V>
+struct Sample<Between<V>> : RandomVariables<Between<V>> {
+  static Between<V> factor(std::mt19937_64& rng) {
+    const V measured = near_rotation(V{}, 1, rng);
+    return Between<V>::from_information(measured, random_information<V::dim>(rng));
+  }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(OnAll<Between>);

@@ -5,6 +5,8 @@
 #include <holdfast/factors/detail/transition.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -62,3 +64,17 @@ TEST(ConstantTurn, RefusesNumbersThatAreNone) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <>
+struct Sample<ConstantTurn<Motion2>> : RandomVariables<ConstantTurn<Motion2>> {
+  static ConstantTurn<Motion2> factor(std::mt19937_64& rng) {
+    const double dt = uniform(rng, 0.1, 1), omega = uniform(rng, -1, 1);
+    return ConstantTurn<Motion2>::from_covariance(dt, omega, random_covariance<4>(rng));
+  }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(ConstantTurn<Motion2>);

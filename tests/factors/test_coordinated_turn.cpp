@@ -6,6 +6,8 @@
 #include <holdfast/factors/white_acceleration.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -53,3 +55,5 @@ TEST(CoordinatedTurn, RefusesNumbersThatAreNone) {
 
 }  // namespace
 }  // namespace holdfast
+
+HOLDFAST_CONFORMS(CoordinatedTurn);

@@ -1,72 +1,14 @@
-// hessian() of a factor is the second derivative of ½‖r‖² along the tangents, positive semidefinite where the factor is convex.
+// hessian() of factors by hand. That it is the second derivative of ½‖r‖²: tests/factors/test_every_factor.cpp.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
+#include <holdfast/factors/missing_distance.hpp>
+#include <holdfast/factors/range.hpp>
+#include <holdfast/factors/range_ball.hpp>
+#include <holdfast/factors/range_bearing_ball.hpp>
+#include <holdfast/graph/variables.hpp>
 
-#include "tests/samples.hpp"
-
-namespace holdfast::testing {
+namespace holdfast {
 namespace {
-
-template <class F>
-using Hessian = Matrix<F::Variables::total_dim, F::Variables::total_dim>;
-template <class F>
-using Step = Vector<F::Variables::total_dim>;
-
-template <class F, std::size_t... I>
-double half_square(const F& factor, const typename F::Variables::Tuple& x, const Step<F>& delta, std::index_sequence<I...>) {
-  using Vars = typename F::Variables;
-  return 0.5 * factor(std::get<I>(x).retract(delta.template segment<Vars::dims[I]>(Vars::offsets[I]))...).squaredNorm();
-}
-template <class F>
-double half_square(const F& factor, const typename F::Variables::Tuple& x, const Step<F>& delta) {
-  return half_square(factor, x, delta, std::make_index_sequence<F::Variables::size>{});
-}
-
-/// By second differences over two steps, extrapolated.
-template <class F>
-Hessian<F> numeric_hessian(const F& factor, const typename F::Variables::Tuple& x) {
-  const auto difference = [&](int i, int j, double h) {
-    const Step<F> a = h * Step<F>::Unit(i), b = h * Step<F>::Unit(j);
-    const auto f = [&](const Step<F>& delta) { return half_square(factor, x, delta); };
-    return (f(a + b) - f(a - b) - f(b - a) + f(-a - b)) / (4 * h * h);
-  };
-  constexpr double step = 4e-3;
-  Hessian<F> H;
-  for (int i = 0; i < H.rows(); ++i)
-    for (int j = 0; j < H.rows(); ++j) H(i, j) = (4 * difference(i, j, step / 2) - difference(i, j, step)) / 3;
-  return H;
-}
-
-template <class F>
-Hessian<F> hessian_at(const F& factor, const typename F::Variables::Tuple& x) {
-  return std::apply([&](const auto&... v) { return factor.hessian(v...); }, x);
-}
-
-template <template <class, class> class F>
-using OnHessianPairs = std::tuple<F<Point2, Point2>, F<Pose2, Point2>, F<Accel3, Motion3>, F<Pose3, Pose3>>;
-using HessianFactors = Concat<OnHessianPairs<Range>, OnHessianPairs<RangeBall>, OnHessianPairs<RangeBearingBall>,
-                              OnHessianPairs<MissingDistance>, OnHessianPairs<MissingDistanceBall>>;
-
-TEST(Hessian, IsTheSecondDerivativeOfHalfTheSquaredResidual) {
-  std::mt19937_64 rng(41);
-  for_each_type<HessianFactors>([&](auto tag) {
-    using F = typename decltype(tag)::type;
-    static_assert(holdfast::detail::HasHessian<F>::value);
-    for (int i = 0; i < 20; ++i) {
-      const F factor = Sample<F>::factor(rng);
-      const typename F::Variables::Tuple x = Sample<F>::variables(rng);
-      const Hessian<F> H = hessian_at(factor, x), numeric = numeric_hessian(factor, x);
-      const double scale = 1 + numeric.cwiseAbs().maxCoeff() + half_square(factor, x, Step<F>::Zero());
-      EXPECT_LT((H - numeric).cwiseAbs().maxCoeff(), 1e-8 * scale) << factor_name<F>() << "\n" << H << "\n\n" << numeric;
-      EXPECT_LT((H - H.transpose()).cwiseAbs().maxCoeff(), 1e-14 * scale) << factor_name<F>();
-      const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(H).eigenvalues()[0];
-      if (is_convex<F>) {
-        EXPECT_GE(least, -1e-12 * scale) << factor_name<F>();
-      }
-    }
-  });
-}
 
 // σ = 0.5, 3 m measured, the points 4 m apart along x: (1 − 3/4)/σ² = 1 across, 1/σ² = 4 along. JᵀJ has (1 − 3/4)²/σ² = 1/4 across.
 TEST(Hessian, OfABallByHand) {
@@ -102,4 +44,4 @@ TEST(Hessian, OfAMissingDistanceAtItsSingularPointIsThatOfOmega) {
 }
 
 }  // namespace
-}  // namespace holdfast::testing
+}  // namespace holdfast

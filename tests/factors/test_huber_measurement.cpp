@@ -3,6 +3,8 @@
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -67,3 +69,34 @@ TEST(HuberMeasurement, RefusesNumbersThatAreNone) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <class V, int Rows>
+struct Sample<HuberMeasurement<V, Rows>> : RandomVariables<HuberMeasurement<V, Rows>> {
+  static HuberMeasurement<V, Rows> factor(std::mt19937_64& rng) {
+    using F = HuberMeasurement<V, Rows>;
+    const Vector<Rows> z = random_vector<Rows>(rng, 5), known = random_vector<Rows>(rng, 5);
+    const Matrix<Rows, Rows> Q = random_covariance<Rows>(rng);
+    const double weight = uniform(rng, 0.3, 2);
+    if constexpr (Rows == V::space_dim)
+      return F::of_position(z, known, Q, weight);
+    else
+      return F::known_end(z, Matrix<Rows, V::dim>::Identity(), known, Q, weight);
+  }
+};
+
+template <class S, class E, int Rows>
+struct Sample<HuberMeasurementEdge<S, E, Rows>> : RandomVariables<HuberMeasurementEdge<S, E, Rows>> {
+  static HuberMeasurementEdge<S, E, Rows> factor(std::mt19937_64& rng) {
+    const Vector<Rows> z = random_vector<Rows>(rng, 5);
+    const Matrix<Rows, Rows> Q = random_covariance<Rows>(rng);
+    return HuberMeasurementEdge<S, E, Rows>::of_position(z, Q, uniform(rng, 0.3, 2));
+  }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(HuberMeasurement<Point2>, HuberMeasurement<Motion2>, HuberMeasurement<Accel2>, HuberMeasurement<Point3>,
+                  HuberMeasurement<Motion3>, HuberMeasurement<Motion2, 4>, HuberMeasurementEdge<Motion2, Motion2>,
+                  HuberMeasurementEdge<Point2, Motion2>, HuberMeasurementEdge<Point3, Motion3>);

@@ -4,6 +4,8 @@
 #include <holdfast/graph/variables.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -72,3 +74,28 @@ TEST(MissingDistance, RawIsTheExcessInMetres) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <class A, class B>
+struct Sample<MissingDistance<A, B>> : RandomVariables<MissingDistance<A, B>> {
+  static MissingDistance<A, B> factor(std::mt19937_64& rng) { return {radius(rng), uniform(rng, 0.5, 2), uniform(rng, 0.5, 2)}; }
+};
+
+template <>
+struct Sample<MissingDistancePrior> : RandomVariables<MissingDistancePrior> {
+  static MissingDistancePrior factor(std::mt19937_64& rng) { return {uniform(rng, 0, 20), uniform(rng, 0.5, 2)}; }
+};
+
+template <class A, class B>
+struct Sample<MissingDistanceBall<A, B>> : RandomVariables<MissingDistanceBall<A, B>> {
+  static MissingDistanceBall<A, B> factor(std::mt19937_64& rng) { return {uniform(rng, 0.5, 2)}; }
+  /// The third variable is the radius of the ball.
+  static std::tuple<A, B, Scalar> variables(std::mt19937_64& rng) {
+    return std::tuple_cat(RandomVariables<MissingDistance<A, B>>::variables(rng), std::tuple<Scalar>(radius(rng)));
+  }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(MissingDistancePrior, OnPairs<MissingDistance>, OnPairs<MissingDistanceBall>);

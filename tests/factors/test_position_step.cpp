@@ -4,6 +4,8 @@
 #include <holdfast/graph/variables.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -34,3 +36,5 @@ TEST(PositionStep, RawIsTheStepInMetres) {
 
 }  // namespace
 }  // namespace holdfast
+
+HOLDFAST_CONFORMS(OnPairs<PositionStep>);

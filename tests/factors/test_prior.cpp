@@ -3,6 +3,8 @@
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -81,3 +83,17 @@ TEST(Prior, OfAUsersOwnManifoldHasItsJacobian) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <class V>
+struct Sample<Prior<V>> : RandomVariables<Prior<V>> {
+  static Prior<V> factor(std::mt19937_64& rng) {
+    const V mean = near_rotation(V{}, 1, rng);
+    return Prior<V>::from_information(mean, random_information<V::dim>(rng));
+  }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(OnAll<Prior>);

@@ -4,6 +4,8 @@
 #include <holdfast/graph/variables.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -69,3 +71,14 @@ TEST(Range, RawIsTheErrorInMetres) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <class A, class B>
+struct Sample<Range<A, B>> : RandomVariables<Range<A, B>> {
+  static Range<A, B> factor(std::mt19937_64& rng) { return {uniform(rng, 0, 30), uniform(rng, 0.5, 2)}; }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(OnPairs<Range>);

@@ -4,6 +4,8 @@
 #include <holdfast/graph/variables.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -60,3 +62,14 @@ TEST(RangeBall, RawIsTheWayToTheBallInMetres) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <class A, class B>
+struct Sample<RangeBall<A, B>> : RandomVariables<RangeBall<A, B>> {
+  static RangeBall<A, B> factor(std::mt19937_64& rng) { return {radius(rng), uniform(rng, 0.5, 2)}; }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(OnPairs<RangeBall>);

@@ -4,6 +4,8 @@
 #include <holdfast/graph/variables.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -45,3 +47,16 @@ TEST(RangeBearing, RefusesNumbersThatAreNone) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <class A, class B>
+struct Sample<RangeBearing<A, B>> : RandomVariables<RangeBearing<A, B>> {
+  static RangeBearing<A, B> factor(std::mt19937_64& rng) {
+    return {uniform(rng, 1, 30), uniform(rng, 0.5, 2), random_unit<space_dim<A>>(rng), uniform(rng, 1, 100)};
+  }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(OnSomePairs<RangeBearing>);

@@ -5,6 +5,8 @@
 #include <holdfast/testing.hpp>
 #include <vector>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -121,3 +123,18 @@ TEST(RangeBearingBall, RefusesNumbersThatAreNone) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <class A, class B>
+struct Sample<RangeBearingBall<A, B>> : RandomVariables<RangeBearingBall<A, B>> {
+  static RangeBearingBall<A, B> factor(std::mt19937_64& rng) {
+    const double distance = radius(rng), sigma = uniform(rng, 0.5, 1);
+    const double shift = uniform(rng, 0.2, 1.5);  // σ²κ/d
+    return {distance, sigma, random_unit<space_dim<A>>(rng), shift * distance / (sigma * sigma)};
+  }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(OnPairs<RangeBearingBall>);

@@ -4,6 +4,8 @@
 #include <holdfast/graph/variables.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -45,3 +47,17 @@ TEST(RelativePoint, RefusesNumbersThatAreNone) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <class P, class L>
+struct Sample<RelativePoint<P, L>> : RandomVariables<RelativePoint<P, L>> {
+  static RelativePoint<P, L> factor(std::mt19937_64& rng) {
+    const Vector<P::space_dim> measured = random_vector<P::space_dim>(rng, 5);
+    return RelativePoint<P, L>::from_information(measured, random_information<P::space_dim>(rng));
+  }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(OnPoses<RelativePoint>);

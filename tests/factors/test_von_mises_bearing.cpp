@@ -4,6 +4,8 @@
 #include <holdfast/graph/variables.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
+
 namespace holdfast {
 namespace {
 
@@ -72,3 +74,19 @@ TEST(VonMisesBearing, RefusesNumbersThatAreNone) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <class A, class B>
+struct Sample<VonMisesBearing<A, B>> : RandomVariables<VonMisesBearing<A, B>> {
+  static VonMisesBearing<A, B> factor(std::mt19937_64& rng) { return {random_unit<space_dim<A>>(rng), uniform(rng, 1, 100)}; }
+};
+
+template <class P, class B>
+struct Sample<VonMisesBearingBody<P, B>> : RandomVariables<VonMisesBearingBody<P, B>> {
+  static VonMisesBearingBody<P, B> factor(std::mt19937_64& rng) { return {random_unit<space_dim<P>>(rng), uniform(rng, 1, 100)}; }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(OnPairs<VonMisesBearing>, OnPoses<VonMisesBearingBody>);

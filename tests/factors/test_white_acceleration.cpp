@@ -3,6 +3,7 @@
 #include <holdfast/factors/white_acceleration.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
 #include "tests/factors/marginal.hpp"
 
 namespace holdfast {
@@ -111,3 +112,24 @@ TEST(WhiteAcceleration, RefusesNumbersThatAreNone) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <class V>
+struct Sample<WhiteAcceleration<V>> : RandomVariables<WhiteAcceleration<V>> {
+  static WhiteAcceleration<V> factor(std::mt19937_64& rng) {
+    using F = WhiteAcceleration<V>;
+    const double dt = uniform(rng, 0.2, 1);
+    const int steps = static_cast<int>(uniform(rng, 1, 6));
+    const Matrix<V::dim, V::dim> R = random_covariance<V::dim>(rng);
+    const int kind = static_cast<int>(uniform(rng, 0, 4));
+    if (kind == 0) return F::continuous(dt, uniform(rng, 0.1, 2));
+    if (kind == 1) return F::paper(dt, steps, R);
+    if (kind == 2) return F::recursive(dt, steps, R, random_covariance<V::dim>(rng));
+    return F::exact(dt, steps, R);
+  }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(WhiteAcceleration<Motion2>, WhiteAcceleration<Motion3>);

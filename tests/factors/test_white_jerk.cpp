@@ -3,6 +3,7 @@
 #include <holdfast/factors/white_jerk.hpp>
 #include <holdfast/testing.hpp>
 
+#include "tests/conforms.hpp"
 #include "tests/factors/marginal.hpp"
 
 namespace holdfast {
@@ -67,3 +68,17 @@ TEST(WhiteJerk, RefusesNumbersThatAreNone) {
 
 }  // namespace
 }  // namespace holdfast
+
+namespace holdfast::testing {
+
+template <class V>
+struct Sample<WhiteJerk<V>> : RandomVariables<WhiteJerk<V>> {
+  static WhiteJerk<V> factor(std::mt19937_64& rng) {
+    const double duration = uniform(rng, 0.5, 2);
+    return WhiteJerk<V>::continuous(duration, uniform(rng, 0.1, 2));
+  }
+};
+
+}  // namespace holdfast::testing
+
+HOLDFAST_CONFORMS(WhiteJerk<Accel2>, WhiteJerk<Accel3>);

@@ -280,4 +280,4 @@ def missing_tests(tree: Tree, elsewhere=None) -> List[Finding]:
     return findings
 
 
-RULES = [forbidden_arrows, cycles, foreign_headers, internal_headers, details_in_examples, long_lines, missing_tests]
+RULES = [forbidden_arrows, cycles, foreign_headers, internal_headers, details_in_examples, forgotten_factors, long_lines, missing_tests]

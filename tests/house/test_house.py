@@ -35,7 +35,8 @@ class Tree(unittest.TestCase):
         tree = {path: (ROOT / path).read_text(encoding="utf-8") for path in source_files() if is_source(path)}
         self.assertGreater(len(tree), 100, "no sources found")
         findings = [finding for rule in rules.RULES for finding in rule(tree)]
-        self.assertFalse(findings, "\n" + "\n".join(map(str, findings)))
+        if findings:
+            self.fail("\n" + "\n".join(map(str, findings)))
 
     def test_is_formatted(self):
         if shutil.which("clang-format") is None:
@@ -43,8 +44,8 @@ class Tree(unittest.TestCase):
         sources = [path for path in source_files() if path.endswith((".hpp", ".cpp"))]
         result = subprocess.run(["clang-format", "--dry-run", *sources], cwd=ROOT, capture_output=True, text=True, check=False)
         lines = [line for line in result.stderr.splitlines() if "clang-format-violations" in line]
-        self.assertFalse(lines, "\n" + "\n".join(lines) + "\n    Cure: clang-format -i " +
-                         " ".join(sorted({line.split(":")[0] for line in lines})))
+        if lines:
+            self.fail("\n" + "\n".join(lines) + "\n    Cure: clang-format -i " + " ".join(sorted({line.split(":")[0] for line in lines})))
 
 
 class Rules(unittest.TestCase):

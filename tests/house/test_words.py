@@ -79,7 +79,8 @@ def versions(root):
 
 class Words(unittest.TestCase):
     def none(self, findings):
-        self.assertFalse(findings, "\n" + "\n".join(findings))
+        if findings:
+            self.fail("\n" + "\n".join(findings))
 
     def of_all_pages(self, rule):
         self.assertGreater(len(pages()), 5)

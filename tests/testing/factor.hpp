@@ -18,12 +18,6 @@ namespace holdfast::testing {
 
 namespace detail {
 
-template <class F, class Tuple, class = void>
-struct HasHessian : std::false_type {};
-template <class F, class... V>
-struct HasHessian<F, std::tuple<V...>, std::void_t<decltype(std::declval<const F&>().hessian(std::declval<const V&>()...))>>
-    : std::true_type {};
-
 /// One factor at one state.
 template <class F>
 class FactorChecker {
@@ -38,7 +32,7 @@ class FactorChecker {
     check_residual();
     if (text_.str().empty()) check_jacobian();
     if (text_.str().empty()) check_claims();
-    if constexpr (HasHessian<F, typename Vars::Tuple>::value) check_hessian();
+    if constexpr (holdfast::detail::HasHessian<F>::value) check_hessian();
     return text_.str();
   }
 

@@ -1,9 +1,13 @@
-// A user's own factor, its Jacobian by hand and by automatic differentiation: they go through every host as ours do.
+// A user's own factor, its Jacobian by hand and by automatic differentiation: it runs in every back-end and foreign library as ours do.
+#include <gtest/gtest.h>
+
 #include <holdfast/graph/autodiff.hpp>
+#include <holdfast/testing.hpp>
 
-#include "tests/draws/draws_of.hpp"
+#include "tests/conforms.hpp"
 
-namespace holdfast::testing {
+namespace holdfast {
+namespace {
 
 /// The height of a landmark above the robot's own plane.
 struct Height {
@@ -30,15 +34,20 @@ struct HeightResidual {
   }
 };
 
-template <>
-struct Sample<Height> : RandomVariables<Height> {
-  static Height factor(std::mt19937_64& rng) { return {uniform(rng, -5, 5), uniform(rng, 0.5, 2)}; }
-};
-template <>
-struct Sample<AutoDiff<HeightResidual>> : RandomVariables<AutoDiff<HeightResidual>> {
-  static AutoDiff<HeightResidual> factor(std::mt19937_64& rng) { return {{uniform(rng, -5, 5), uniform(rng, 0.5, 2)}}; }
-};
+TEST(YourOwnFactor, HasTheSameJacobianByHandAndByAutomaticDifferentiation) {
+  std::mt19937_64 rng(1);
+  for (int i = 0; i < 10; ++i) {
+    const auto robot = testing::random_variable<Pose3>(rng);
+    const auto landmark = testing::random_variable<Point3>(rng);
+    Jacobians<Height> by_hand;
+    Jacobians<AutoDiff<HeightResidual>> automatic;
+    const Vector<1> r = Height{2, 0.5}(robot, landmark, &by_hand);
+    EXPECT_NEAR((AutoDiff<HeightResidual>{{2, 0.5}})(robot, landmark, &automatic)[0], r[0], 1e-12 * (1 + std::abs(r[0])));
+    EXPECT_LT((by_hand.all - automatic.all).norm(), 1e-12 * by_hand.all.norm());
+  }
+}
 
-std::vector<Draw> own_draws(std::mt19937_64& rng) { return draws_of<std::tuple<Height, AutoDiff<HeightResidual>>>(rng); }
+}  // namespace
+}  // namespace holdfast
 
-}  // namespace holdfast::testing
+HOLDFAST_CONFORMS(Height, AutoDiff<HeightResidual>);
