@@ -6,9 +6,12 @@
 //   paper       G^{[m]} R G^{[m]ᵀ}, dt replaced by m dt in G       as in (6); at m = 5 its velocity variance is 5 times too large (D.A.1)
 //   recursive   P^{[m]} = F^m P* F^{mᵀ} + G^{[m]} R G^{[m]ᵀ}       as in (7); rightly only the first node's arrival cost
 //               (notes D.A.2–3)
+//   steered     [T³/3 T²/2; T²/2 T] of the density along uuᵀ + across (I − uuᵀ), u the direction of travel: continuous, where the noise
+//               along the way and across it differ; W per axis upper triangular
 // The symmetric root makes a per-component Huber mean the same as in the paper (notes D.A.5). Motion2 or Motion3.
 #pragma once
 
+#include <algorithm>
 #include <holdfast/factors/detail/rules.hpp>
 #include <holdfast/factors/detail/transition.hpp>
 #include <holdfast/factors/whitening.hpp>
@@ -21,11 +24,11 @@ template <class V>
 struct WhiteAcceleration {
   static_assert(V::order == 2, "the state per axis is [p, v]: Motion2 or Motion3");
   using Square = Matrix<V::dim, V::dim>;
-  enum class Kind { exact, continuous, paper, recursive };
+  enum class Kind { exact, continuous, paper, recursive, steered };
   Kind kind;
   double dt;  ///< of one step [s]; of the whole motion for continuous
   int steps;
-  Square R;  ///< covariance of w; q times the identity for continuous
+  Square R;  ///< covariance of w; q times the identity for continuous; for steered its density [m²/s³], of each pair of axes in a block
   Square sqrt_information;
 
   using Variables = variables<V, V>;
@@ -67,6 +70,16 @@ struct WhiteAcceleration {
     return make(Kind::recursive, dt, steps, R, F * P_start * F.transpose() + noise(steps * dt, R));
   }
 
+  /// direction: of travel, of any length > 0; along, across [m²/s³].
+  static WhiteAcceleration steered(double duration, const Vector<V::axes>& direction, double along, double across) {
+    require_step(duration, 1);
+    require_positive_number("WhiteAcceleration.along", along, "give the spectral density of the acceleration along the way in m^2/s^3");
+    require_positive_number("WhiteAcceleration.across", across, "give the spectral density of the acceleration across the way in m^2/s^3");
+    if (!(direction.norm() > 0)) fail<BadNumber>("WhiteAcceleration.direction has no length; give the direction of travel");
+    const Axes forward = direction.normalized() * direction.normalized().transpose();
+    return of_density(duration, along * forward + across * (Axes::Identity() - forward));
+  }
+
   /// One factor for m times as many steps.
   WhiteAcceleration merged(int m) const {
     require_count("WhiteAcceleration.merged(m)", m);
@@ -77,6 +90,8 @@ struct WhiteAcceleration {
         return continuous(m * dt, R(0, 0));
       case Kind::paper:
         return paper(dt, m * steps, R);
+      case Kind::steered:
+        return of_density(m * dt, density());
       case Kind::recursive:
         break;
     }
@@ -99,6 +114,25 @@ struct WhiteAcceleration {
     require_positive_number("WhiteAcceleration.dt", dt, "give the time between the two states in seconds");
     require_count("WhiteAcceleration.steps", steps);
   }
+  using Axes = Matrix<V::axes, V::axes>;
+  Axes density() const {
+    Axes all;
+    for (int i = 0; i < V::axes; ++i)
+      for (int j = 0; j < V::axes; ++j) all(i, j) = R(2 * i + 1, 2 * j + 1);
+    return all;
+  }
+  static WhiteAcceleration of_density(double T, const Axes& density) {
+    Matrix<2, 2> axis;  // axisᵀ axis = [T³/3 T²/2; T²/2 T]⁻¹, upper triangular: fewer numbers that are not 0
+    axis << std::sqrt(12 / (T * T * T)), -std::sqrt(3 / T), 0, 1 / std::sqrt(T);
+    const Axes root = symmetric_sqrt_information_from_covariance<V::axes>(density, "WhiteAcceleration.density");
+    WhiteAcceleration motion{Kind::steered, T, 1, Square::Zero(), Square::Zero()};
+    for (int i = 0; i < V::axes; ++i)
+      for (int j = 0; j < V::axes; ++j) {
+        motion.R.template block<2, 2>(2 * i, 2 * j) = density(i, j) * Matrix<2, 2>::Identity();
+        motion.sqrt_information.template block<2, 2>(2 * i, 2 * j) = root(i, j) * axis;
+      }
+    return motion;
+  }
   /// G(T) R G(T)ᵀ.
   static Square noise(double T, const Square& R) {
     const Vector<V::dim> G = Vector<2>(T * T / 2, T).template replicate<V::axes, 1>();
@@ -106,6 +140,26 @@ struct WhiteAcceleration {
   }
   static WhiteAcceleration make(Kind kind, double dt, int steps, const Square& R, const Square& covariance) {
     return {kind, dt, steps, R, symmetric_sqrt_information_from_covariance<V::dim>(covariance, "WhiteAcceleration.covariance")};
+  }
+};
+
+/// How a vehicle moves that steers and hardly changes its speed v: white acceleration of the densities `along` v² along the way it goes and
+/// `turn` v² across it. One setting fits slow and fast ones. A motion for Window::add_agent (solvers/window/window.hpp):
+///
+///   window.add_agent('A', Steering<Motion2>{});
+template <class V>
+struct Steering {
+  double turn = 0.1;       ///< > 0 [1/s]: the density of the turn rate [rad²/s]
+  double along = 0.003;    ///< > 0 [1/s]
+  double speed = 20;       ///< > 0 [m/s]: v, and `turn` in every direction, where nothing is known of the state; 2 · speed is the most
+  double least_speed = 1;  ///< > 0 [m/s]: one at rest may start
+
+  /// Over so many seconds, from this state; null: nothing is known of it.
+  WhiteAcceleration<V> operator()(double seconds, const V* from) const {
+    const double v = from == nullptr ? speed : std::clamp(from->derivative(1).norm(), least_speed, 2 * speed);
+    Vector<V::axes> direction = Vector<V::axes>::Unit(0);
+    if (from != nullptr && from->derivative(1).norm() > 0) direction = from->derivative(1);
+    return WhiteAcceleration<V>::steered(seconds, direction, (from == nullptr ? turn : along) * v * v, turn * v * v);
   }
 };
 

@@ -159,10 +159,10 @@ Score windows_apart(const Pursuit& pursuit, WindowedOptions options) {
 }
 
 std::vector<Score> trackers_apart(const Pursuit& pursuit, TrackerOptions options) {
-  RobustTracker by_irls = tracker_of(pursuit, options);
+  const auto by_irls = tracker_of(pursuit, options);
   options.backend = "ceres";
-  RobustTracker by_ceres = tracker_of(pursuit, options);
-  const Tracked irls = track(by_irls, pursuit), ceres = track(by_ceres, pursuit);
+  const auto by_ceres = tracker_of(pursuit, options);
+  const Tracked irls = track(*by_irls, pursuit), ceres = track(*by_ceres, pursuit);
   return {{largest_difference(irls.now, ceres.now), kNone}, {largest_difference(irls.late, ceres.late), kNone}};
 }
 
@@ -197,10 +197,10 @@ Json tracks(unsigned seed) {
     truth.push_back(seen.truth[k].position());
     received.push_back(seen.sightings[k][0].z);
   }
-  RobustTracker tracker = tracker_of(seen, {});
+  const auto tracker = tracker_of(seen, {});
   return {{"measurements", track_of(received, 5)},
           {"paper's estimator", track_of(windowed_a(seen, {robust_losses()}), 5)},
-          {"OURS", track_of(track(tracker, seen).now, 5)},
+          {"OURS", track_of(track(*tracker, seen).now, 5)},
           {"truth", track_of(truth, 5)}};
 }
 

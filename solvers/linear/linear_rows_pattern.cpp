@@ -25,8 +25,9 @@ void LinearRows::find_pattern(const Graph& graph) {
     if (resolved_.variables()[v].offset >= 0) variable_of_.insert(variable_of_.end(), resolved_.variables()[v].dim, static_cast<int>(v));
   in_pattern_.assign(J_.size(), 0);
   row_begin_.assign(1, 0);
-  unknown_.clear();
-  source_.clear();
+  unknown_.resize(2 * J_.size());  // at most: of the rows, and of the rows of whole factors
+  source_.resize(unknown_.size());
+  entries_ = 0;
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     const FactorBatch& batch = *graph.batches()[b];
     for (int i = 0; i < batch.size(); ++i)
@@ -37,7 +38,9 @@ void LinearRows::find_pattern(const Graph& graph) {
     if (!weighs_whole_blocks(batch)) continue;
     for (int i = 0; i < batch.size(); ++i) add_row(batch, parts_[b], i, -1);
   }
-  value_.assign(unknown_.size(), 0.0);
+  unknown_.resize(entries_);
+  source_.resize(entries_);
+  value_.assign(entries_, 0.0);
   for (std::vector<double>* weights : {&gradient_weight_, &hessian_weight_}) weights->assign(row_begin_.size() - 1, 0.0);
 }
 
@@ -54,11 +57,11 @@ void LinearRows::add_row(const FactorBatch& batch, const Part& part, int factor,
       if (row >= 0) in_pattern_[column + row - J_.data()] = column[row] != 0 || offset < 0;
       const bool present = row >= 0 ? column[row] != 0 : std::any_of(column, column + M, [](double x) { return x != 0; });
       if (offset < 0 || !present) continue;
-      unknown_.push_back(offset + c);
-      source_.push_back(static_cast<int>(column - J_.data()) + std::max(row, 0));
+      unknown_[entries_] = offset + c;
+      source_[entries_++] = static_cast<int>(column - J_.data()) + std::max(row, 0);
     }
   }
-  row_begin_.push_back(static_cast<int>(unknown_.size()));
+  row_begin_.push_back(static_cast<int>(entries_));
 }
 
 // Cuthill–McKee on the graph of the unknowns, from an end of each connected part.
@@ -72,6 +75,7 @@ void LinearRows::order_unknowns() {
     for (int k = row_begin_[row]; k < row_begin_[row + 1]; ++k) rows_of_[rows_begin_[unknown_[k] + 1]++] = static_cast<int>(row);
   order_.clear();
   seen_.assign(n, 0);
+  walked_.assign(row_begin_.size() - 1, 0);
   for (int start = 0; start < n; ++start) {
     if (seen_[start]) continue;
     const std::size_t first = order_.size();
@@ -98,9 +102,13 @@ void LinearRows::visit(int start) {
   for (; next < order_.size(); ++next) {
     const int u = order_[next];
     for (const bool own : {true, false})  // the other unknowns of the same variable first
-      for (int k = rows_begin_[u]; k < rows_begin_[u + 1]; ++k)
-        for (int e = row_begin_[rows_of_[k]]; e < row_begin_[rows_of_[k] + 1]; ++e)
+      for (int k = rows_begin_[u]; k < rows_begin_[u + 1]; ++k) {
+        const int row = rows_of_[k];
+        if (walked_[row] == start + 1) continue;  // all of its unknowns have been reached
+        for (int e = row_begin_[row]; e < row_begin_[row + 1]; ++e)
           if (!own || variable_of_[unknown_[e]] == variable_of_[u]) reach(unknown_[e]);
+        if (!own) walked_[row] = start + 1;
+      }
   }
 }
 

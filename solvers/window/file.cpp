@@ -70,7 +70,7 @@ std::string Window::restore(const std::string& path) {
     std::string note = in.get_text();
     std::vector<Member> members;
     for (std::size_t count = in.get_count(1); count > 0; --count) {
-      Member member{Agent::from_bits(in.get<std::uint32_t>()), nullptr, {}, 0};
+      Member member{Agent::from_bits(in.get<std::uint32_t>()), nullptr, {}, 0, nullptr};
       const std::string motion = in.get_text();
       if (std::any_of(members.begin(), members.end(), [&](const Member& m) { return m.agent == member.agent; }))
         fail<BadFile>("it holds agent ", member.agent, " twice");
@@ -93,9 +93,13 @@ std::string Window::restore(const std::string& path) {
     }
     for (const Member& mine : members_)
       if (mine.motion && std::none_of(members.begin(), members.end(), [&](const Member& m) { return m.agent == mine.agent; }))
-        members.push_back({mine.agent, nullptr, {}, 0});
+        members.push_back({mine.agent, nullptr, {}, 0, nullptr});
     for (Member& member : members)  // nothing can fail from here on
-      if (Member* const mine = find(member.agent)) member.motion = std::move(mine->motion);
+      if (Member* const mine = find(member.agent)) {
+        member.motion = std::move(mine->motion);
+        member.lock = std::move(mine->lock);
+        if (member.lock) member.lock->restart(static_cast<int>(member.next_step));
+      }
     members_ = std::move(members);
     graph_ = std::move(graph);
     values_ = std::move(values);

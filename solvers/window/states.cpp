@@ -32,7 +32,7 @@ void Window::enter_agent(Agent agent, std::unique_ptr<MotionModel> motion) {
   require_no_agent(agent(0));
   for (Key key : values_.keys())
     if (key.agent() == agent) fail<BadKey>("agent ", agent, ": there is a landmark ", key, " of this agent; choose another one");
-  members_.push_back({agent, std::move(motion), {}, 0});
+  members_.push_back({agent, std::move(motion), {}, 0, nullptr});
 }
 
 void Window::remove_agent(Agent agent) {
@@ -118,7 +118,7 @@ void Window::require_new_state(Key key, double time) const {
 
 // Its value, and the odometry that leads to it, are there already.
 void Window::enter_new(Key key, double time, FactorId odometry) {
-  if (!has_agent(key.agent())) members_.push_back({key.agent(), nullptr, {}, 0});
+  if (!has_agent(key.agent())) members_.push_back({key.agent(), nullptr, {}, 0, nullptr});
   Member& member = *find(key.agent());
   try {
     const Place place = tie(member, key, time);
@@ -130,7 +130,7 @@ void Window::enter_new(Key key, double time, FactorId odometry) {
   }
 }
 
-// The motion factors come first: they may refuse the times or their own numbers, and then nothing has changed.
+// The new state has a value. The motion factors may refuse the times or their own numbers, and then the graph has not changed.
 // passed_over: states before the new one that its motion leads over.
 Window::Place Window::tie(Member& member, Key key, double time, int passed_over) {
   const auto after = std::find_if(member.states.begin(), member.states.end(), [&](const State& s) { return s.time > time; });
@@ -138,11 +138,11 @@ Window::Place Window::tie(Member& member, Key key, double time, int passed_over)
   if (!member.motion) return place;
   if (after != member.states.begin()) {
     const State& before = *(after - 1 - passed_over);
-    place.motion = member.motion->add(graph_, before.key, key, time - before.time);
+    place.motion = member.motion->add(graph_, values_, before.key, key, time - before.time, member.is_known());
   }
   if (after == member.states.end()) return place;
   try {
-    place.onward = member.motion->add(graph_, key, after->key, after->time - time);
+    place.onward = member.motion->add(graph_, values_, key, after->key, after->time - time, member.is_known());
   } catch (...) {
     if (place.motion.number >= 0) graph_.remove(place.motion);
     throw;
@@ -155,6 +155,7 @@ void Window::enter(Member& member, const State& state, const Place& place) {
   member.states.insert(member.states.begin() + static_cast<std::ptrdiff_t>(place.index), state);
   if (place.onward.number >= 0) member.states[place.index + 1].motion = place.onward;
   member.next_step = std::max(member.next_step, std::uint64_t{state.key.step()} + 1);
+  if (member.lock) ++member.lock->states;
   newest_ = std::max(newest_, state.time);
 }
 
@@ -165,22 +166,39 @@ Key Window::at(Agent agent, double time) {
   require_time(time);
   for (auto state = member.states.rbegin(); state != member.states.rend() && state->time > time - 1; ++state)
     if (same_time(state->time, time)) return state->key;
+  if (member.lock && member.states.empty()) return make_first(member, time);
   if (member.states.empty() || time < member.states.front().time)
     fail<BadTime>("agent ", agent, " at ", time, " s: ", member.states.empty() ? "it has no state yet" : "its first state is later",
                   "; add_state() tells where it starts");
   if (!member.motion)
     fail<BadTime>("agent ", agent, " has no state at ", time,
                   " s and no motion to make one from; add_agent() with a motion, or add_state() with odometry");
-  const bool merges = time > member.states.back().time && newest_is_mergeable(member);
+  const auto after = std::find_if(member.states.begin(), member.states.end(), [time](const State& s) { return s.time > time; });
+  const bool merges = after == member.states.end() && newest_is_mergeable(member);
+  const State& before = *(after - (merges ? 2 : 1));
   const Key key = agent(member.next_step);
-  Place place = tie(member, key, time, merges ? 1 : 0);
-  const State& before = member.states[place.index - (merges ? 2 : 1)];
-  member.motion->insert_predicted(values_, before.key, key, time - before.time);
+  member.motion->insert_predicted(values_, before.key, key, time - before.time, member.is_known());
+  Place place;
+  try {
+    place = tie(member, key, time, merges ? 1 : 0);
+  } catch (...) {
+    values_.erase(key);
+    throw;
+  }
   if (merges) {
     remove_newest(member);
     --place.index;
   }
   enter(member, {key, time, place.motion}, place);
+  return key;
+}
+
+// Of an agent that keeps lock: where it is, its measurements say (place_first).
+Key Window::make_first(Member& member, double time) {
+  const Key key = member.agent(member.next_step);
+  member.motion->insert_unknown(values_, key);
+  enter(member, {key, time, {}}, {});
+  member.lock->is_unplaced = true;
   return key;
 }
 
@@ -207,13 +225,69 @@ void Window::remove_newest(Member& member) {
   gone_.assign(1, member.states.back().key);
   values_.erase(gone_);
   member.states.pop_back();
+  if (member.lock) --member.lock->states;
+}
+
+void Window::remove(FactorId id) {
+  graph_.remove(id);
+  for (const Member& member : members_)
+    if (member.lock) member.lock->forget(id);
 }
 
 void Window::remove_landmark(Key key) {
   require_no_agent(key);
   values_.slot(key);
   leave(key);
+  for (const Member& member : members_)
+    if (member.lock) member.lock->forget(key);
   values_.erase(key);
+}
+
+// ---- between states
+
+/// The latest one that is not later; null: there is none.
+const Window::State* Window::state_before(const Member& member, double time) const {
+  const State* latest = nullptr;
+  for (const State& state : member.states)
+    if (state.time <= time || same_time(state.time, time)) latest = &state;
+  return latest;
+}
+
+const double* Window::coordinates(Key key, std::type_index type) const {
+  const Values::Slot& slot = values_.slot(key);
+  const PoolBase& pool = values_.pool(slot.pool);
+  if (pool.type() != type) fail<BadType>("key ", key, " is a ", pool.type_name(), ", and was asked for as another type");
+  return pool.data(slot.index);
+}
+
+void Window::read_state(Agent agent, double time, std::type_index type, void* state) const {
+  const Member& member = known(agent);
+  const State* const before = state_before(member, time);
+  if (before == nullptr) fail<BadTime>("agent ", agent, " at ", time, " s: its first state in the window is later, or there is none");
+  const double* const from = coordinates(before->key, type);
+  const double seconds = time - before->time;
+  if (same_time(before->time, time)) {
+    const PoolBase& pool = values_.pool(values_.slot(before->key).pool);
+    std::copy_n(from, pool.ambient(), static_cast<double*>(state));
+    return;
+  }
+  if (!member.motion)
+    fail<BadTime>("agent ", agent, " has no state at ", time, " s and no motion to tell one from; ask at one of its states");
+  if (before == &member.states.back()) return member.motion->predicted(from, seconds, state);
+  const State& after = before[1];
+  member.motion->between(from, coordinates(after.key, type), seconds, after.time - time, state);
+}
+
+void Window::read_covariance(Agent agent, double time, std::type_index type, double* covariance) const {
+  const Member& member = known(agent);
+  const State* const before = state_before(member, time);
+  const bool is_state = before != nullptr && same_time(before->time, time);
+  if (before == nullptr || (!is_state && (before != &member.states.back() || !member.motion)))
+    fail<BadTime>("agent ", agent, " at ", time, " s: a covariance is known at its states, and after the newest one");
+  const double* const from = coordinates(before->key, type);
+  const std::vector<double> P = Marginals(graph_, values_).covariance(before->key);
+  std::copy(P.begin(), P.end(), covariance);
+  if (!is_state) member.motion->carry(from, time - before->time, covariance);
 }
 
 }  // namespace holdfast

@@ -60,11 +60,13 @@ class LinearRows {
   // rank-one part of Newton's curvature: (Jᵀr)ᵀ.
   std::vector<int> row_begin_, unknown_, source_;
   std::vector<double> value_;
+  std::size_t entries_ = 0;  // while they are found
   std::vector<int> pair_begin_, place_;  // of each row: where the products of its entries go in H
   std::vector<double> gradient_weight_, hessian_weight_;
   // Unknowns: places in the tangent; position: in elimination order.
   std::vector<int> variable_of_, position_, order_, rows_begin_, rows_of_, first_;
   std::vector<char> seen_;
+  std::vector<int> walked_;  // of each row: 1 + where the last walk that has been over it began
   EnvelopeCholesky cholesky_;
   std::vector<double> gradient_, damping_, step_, total_, tangent_;
 };
