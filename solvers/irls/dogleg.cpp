@@ -1,21 +1,14 @@
 #include <algorithm>
 #include <cmath>
-#include <holdfast/solvers/irls/internal/line_search.hpp>
-#include <holdfast/solvers/irls/internal/workspace.hpp>
+#include <holdfast/solvers/irls/internal/dogleg.hpp>
+#include <holdfast/solvers/linear/internal/damping.hpp>
 
-namespace holdfast {
+namespace holdfast::detail {
 namespace {
 
 constexpr double kFirstDamping = 1e-12, kMostDamping = 1e9;
-constexpr double kSingular =
-    1e13;  // a step whose curvature is less than this part of its length² in the metric of diag H is made of rounding
-constexpr double kLeastDiagonal = 1e-12;
-
-double dot_in(const std::vector<double>& metric, const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += metric[i] * a[i] * b[i];
-  return sum;
-}
+constexpr double kSingular = 1e13;  // a step whose curvature is less than 1/kSingular of its length² in the metric of D is rounding
+constexpr double kFull = 0.1;       // a step shorter than this part of Newton's is short because of the radius
 
 }  // namespace
 
@@ -27,49 +20,56 @@ void TrustRegion::accept(double gain_ratio, double length) {
     radius_ = std::max(radius_, 3 * length);
 }
 
-bool Irls::Workspace::find_newton_step() {
-  read_diagonal();
-  steepest_slope = 0;
+Dogleg::Dogleg(const NewtonSystem& system) {
+  for (std::vector<double>* v : {&newton_, &steepest_, &H_steepest_}) v->resize(system.size());
+}
+
+bool Dogleg::begin(NewtonSystem& system) {
+  has_steepest_ = false;
   for (double lambda = 0; lambda <= kMostDamping; lambda = lambda == 0 ? kFirstDamping : 10 * lambda) {
-    const double predicted = solve_damped(lambda);
+    const double predicted = system.solve_damped(lambda, newton_);
     if (!std::isfinite(predicted)) continue;
-    const double length2 = dot_in(diagonal, step, step);
+    const double length2 = dot(system.diagonal(), newton_, newton_);
     if (!(length2 <= kSingular * 2 * predicted)) continue;
-    std::swap(newton, step);
-    newton_length = std::sqrt(length2);
+    newton_length_ = std::sqrt(length2);
+    newton_slope_ = dot(system.gradient(), newton_);
     return true;
   }
   return false;
 }
 
-// On the plane of both directions, p = a·steepest + b·newton, the model is made of six products.
-Irls::Workspace::Step Irls::Workspace::take_dogleg_step(double radius) {
-  const std::vector<double>& g = normal.gradient();
-  const double newton_slope = dot(g, newton);
-  if (newton_length <= radius) {
-    step = newton;
-    return {-0.5 * newton_slope, newton_length};
-  }
-  if (steepest_slope == 0) {
-    for (std::size_t i = 0; i < g.size(); ++i) steepest[i] = -g[i] / std::max(diagonal[i], kLeastDiagonal);
-    steepest_slope = dot(g, steepest);
-    normal.multiply(steepest, H_steepest);
-  }
-  const double bent = dot(steepest, H_steepest);
-  const double to_minimum = -steepest_slope / bent;
-  const double length = std::sqrt(dot_in(diagonal, steepest, steepest)), cauchy = to_minimum * length;
-  double a = radius / length, b = 0;
-  if (cauchy < radius) {  // ‖c + b (newton − c)‖ = radius, c the minimum along the steepest direction
-    const double cross = to_minimum * dot_in(diagonal, steepest, newton);
-    const double A = newton_length * newton_length - 2 * cross + cauchy * cauchy, B = cross - cauchy * cauchy,
-                 C = cauchy * cauchy - radius * radius;
-    b = -C / (B + std::sqrt(B * B - A * C));
-    a = to_minimum * (1 - b);
-  }
-  for (std::size_t i = 0; i < step.size(); ++i) step[i] = a * steepest[i] + b * newton[i];
-  const double slope = a * steepest_slope + b * newton_slope;
-  const double curvature = a * a * bent - 2 * a * b * steepest_slope - b * b * newton_slope;  // H newton = −g
-  return {-slope - 0.5 * curvature, std::min(radius, newton_length)};
+void Dogleg::find_steepest(const NewtonSystem& system) {
+  const std::vector<double>&g = system.gradient(), &D = system.diagonal();
+  for (std::size_t i = 0; i < g.size(); ++i) steepest_[i] = -g[i] / std::max(D[i], kLeastDiagonal);
+  system.multiply(steepest_, H_steepest_);
+  steepest_slope_ = dot(g, steepest_);
+  steepest_curvature_ = dot(steepest_, H_steepest_);
+  steepest_length_ = std::sqrt(dot(D, steepest_, steepest_));
+  has_steepest_ = true;
 }
 
-}  // namespace holdfast
+Dogleg::Step Dogleg::take(const NewtonSystem& system, double radius, std::vector<double>& step) {
+  if (newton_length_ <= radius) {
+    step = newton_;
+    return {-0.5 * newton_slope_, newton_length_, true};
+  }
+  if (!has_steepest_) find_steepest(system);
+  const double to_minimum = -steepest_slope_ / steepest_curvature_, cauchy = to_minimum * steepest_length_;
+  if (cauchy >= radius) return combine(radius / steepest_length_, 0, radius, step);
+  // ‖c + b (newton − c)‖ = radius, c the minimum along the steepest direction.
+  const double cross = to_minimum * dot(system.diagonal(), steepest_, newton_);
+  const double A = newton_length_ * newton_length_ - 2 * cross + cauchy * cauchy, B = cross - cauchy * cauchy,
+               C = cauchy * cauchy - radius * radius;
+  const double b = -C / (B + std::sqrt(B * B - A * C));
+  return combine(to_minimum * (1 - b), b, radius, step);
+}
+
+// On the plane of both directions the model is made of six products; H newton = −g.
+Dogleg::Step Dogleg::combine(double a, double b, double length, std::vector<double>& step) const {
+  for (std::size_t i = 0; i < step.size(); ++i) step[i] = a * steepest_[i] + b * newton_[i];
+  const double slope = a * steepest_slope_ + b * newton_slope_;
+  const double curvature = a * a * steepest_curvature_ - 2 * a * b * steepest_slope_ - b * b * newton_slope_;
+  return {-slope - 0.5 * curvature, length, length >= kFull * newton_length_};
+}
+
+}  // namespace holdfast::detail

@@ -14,11 +14,13 @@
 #pragma once
 
 #include <holdfast/solvers/backend.hpp>
+#include <memory>
 
 namespace holdfast {
 
-class Progress;
+namespace detail {
 class LinearRows;
+}
 
 /// How the in-house second-order back-end weighs robust terms in its quadratic model (the gradient is exact either way).
 ///   irls:      w ρ'(s): a model that never lies below the cost near by; linear convergence.
@@ -45,21 +47,10 @@ class Irls final : public Backend {
 
  private:
   struct Workspace;
-  struct Fronts;
-  void minimize_nonlinear(const Graph& graph, Progress& progress);
-  void descend_nonlinear(const Graph& graph, Progress& progress);
-  double linearize(const Graph& graph, Progress& progress);
-  bool restart(const Graph& graph, Progress& progress);
-  void descend_from_other_start(const Graph& graph, Progress& progress);
-  bool step_nonlinear(const Graph& graph, Progress& progress, double gradient_norm, bool& full);
-  void minimize_linear(const Graph& graph, Progress& progress);
-  void minimize_rows(const Graph& graph, Values& values, Progress& progress);
-  template <class Model>
-  void descend(const Graph& graph, const Values& start, Model& model, Progress& progress);
   Curvature curvature(const Graph& graph, bool linear) const;
 
   std::unique_ptr<Workspace> workspace_;
-  std::unique_ptr<LinearRows> rows_;
+  std::unique_ptr<detail::LinearRows> rows_;
 };
 
 }  // namespace holdfast

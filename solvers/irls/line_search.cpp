@@ -3,7 +3,7 @@
 #include <cmath>
 #include <holdfast/solvers/irls/internal/line_search.hpp>
 
-namespace holdfast {
+namespace holdfast::detail {
 namespace {
 
 template <class RhoOfComponent>
@@ -82,4 +82,4 @@ void weights_of_rows(const FactorBatch& batch, double* weights) {
   for (int i = 0; i < batch.size(); ++i) weights = std::fill_n(weights, batch.residual_dim(), batch.weight(i));
 }
 
-}  // namespace holdfast
+}  // namespace holdfast::detail

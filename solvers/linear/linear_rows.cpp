@@ -1,11 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <holdfast/solvers/linear/internal/damping.hpp>
 #include <holdfast/solvers/linear/internal/linear_rows.hpp>
 
-namespace holdfast {
+namespace holdfast::detail {
 namespace {
-
-constexpr double kLeastDiagonal = 1e-12;  // an unconstrained direction must feel the damping, too
 
 /// Calls fn(std::integral_constant<int, M>) for the block sizes that have code; false for others.
 template <class Fn>
@@ -218,4 +217,4 @@ void LinearRows::retract(Values& values) {
   resolved_.retract(values, tangent_.data(), values);
 }
 
-}  // namespace holdfast
+}  // namespace holdfast::detail

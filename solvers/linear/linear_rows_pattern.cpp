@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <holdfast/solvers/linear/internal/linear_rows.hpp>
 
-namespace holdfast {
+namespace holdfast::detail {
 namespace {
 
 constexpr double kThin = 32;  // root mean square width of the envelope: up to here fronts do not pay
@@ -31,12 +31,12 @@ void LinearRows::find_pattern(const Graph& graph) {
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     const FactorBatch& batch = *graph.batches()[b];
     for (int i = 0; i < batch.size(); ++i)
-      for (int m = 0; m < batch.residual_dim(); ++m) add_row(batch, parts_[b], i, m);
+      for (int m = 0; m < batch.residual_dim(); ++m) add_row(batch, b, i, m);
   }
   for (std::size_t b = 0; b < parts_.size(); ++b) {
     const FactorBatch& batch = *graph.batches()[b];
     if (!weighs_whole_blocks(batch)) continue;
-    for (int i = 0; i < batch.size(); ++i) add_row(batch, parts_[b], i, -1);
+    for (int i = 0; i < batch.size(); ++i) add_union_of_rows(batch, b, i);
   }
   unknown_.resize(entries_);
   source_.resize(entries_);
@@ -44,23 +44,38 @@ void LinearRows::find_pattern(const Graph& graph) {
   for (std::vector<double>* weights : {&gradient_weight_, &hessian_weight_}) weights->assign(row_begin_.size() - 1, 0.0);
 }
 
-// Row −1: the union of the factor's rows, whose values change with the residual; their source is a column of J.
-void LinearRows::add_row(const FactorBatch& batch, const Part& part, int factor, int row) {
-  const int M = batch.residual_dim(), N = batch.total_dim();
-  const double* J = &J_[part.first_jacobian + static_cast<std::size_t>(factor) * M * N];
-  const int* const variables = &resolved_.batches()[&part - parts_.data()].variable[static_cast<std::size_t>(factor) * batch.arity()];
-  int n = 0;
+// Calls visit(begin, unknown) for each column of a factor's Jacobian: where it begins in J_, and its unknown; −1 of a fixed variable.
+template <class Visit>
+void LinearRows::for_each_column(const FactorBatch& batch, std::size_t b, int factor, const Visit& visit) const {
+  const int M = batch.residual_dim();
+  const int* const variables = &resolved_.batches()[b].variable[static_cast<std::size_t>(factor) * batch.arity()];
+  int begin = parts_[b].first_jacobian + factor * M * batch.total_dim();
   for (int k = 0; k < batch.arity(); ++k) {
     const int offset = resolved_.variables()[variables[k]].offset;
-    for (int c = 0; c < batch.dims()[k]; ++c, ++n) {
-      const double* column = J + static_cast<std::size_t>(n) * M;
-      if (row >= 0) in_pattern_[column + row - J_.data()] = column[row] != 0 || offset < 0;
-      const bool present = row >= 0 ? column[row] != 0 : std::any_of(column, column + M, [](double x) { return x != 0; });
-      if (offset < 0 || !present) continue;
-      unknown_[entries_] = offset + c;
-      source_[entries_++] = static_cast<int>(column - J_.data()) + std::max(row, 0);
-    }
+    for (int c = 0; c < batch.dims()[k]; ++c, begin += M) visit(begin, offset < 0 ? -1 : offset + c);
   }
+}
+
+void LinearRows::add_row(const FactorBatch& batch, std::size_t b, int factor, int row) {
+  for_each_column(batch, b, factor, [&](int begin, int unknown) {
+    const bool present = J_[begin + row] != 0;
+    in_pattern_[begin + row] = present || unknown < 0;
+    if (!present || unknown < 0) return;
+    unknown_[entries_] = unknown;
+    source_[entries_++] = begin + row;
+  });
+  row_begin_.push_back(static_cast<int>(entries_));
+}
+
+// A row whose values change with the residual; the source of an entry is where its column of J begins.
+void LinearRows::add_union_of_rows(const FactorBatch& batch, std::size_t b, int factor) {
+  const int M = batch.residual_dim();
+  for_each_column(batch, b, factor, [&](int begin, int unknown) {
+    const auto column = J_.begin() + begin;
+    if (unknown < 0 || std::none_of(column, column + M, [](double x) { return x != 0; })) return;
+    unknown_[entries_] = unknown;
+    source_[entries_++] = begin;
+  });
   row_begin_.push_back(static_cast<int>(entries_));
 }
 
@@ -141,4 +156,4 @@ void LinearRows::lay_out_products() {
   for (std::vector<double>* v : {&gradient_, &damping_, &step_, &total_, &tangent_}) v->assign(first_.size(), 0.0);
 }
 
-}  // namespace holdfast
+}  // namespace holdfast::detail

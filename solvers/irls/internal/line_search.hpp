@@ -3,7 +3,7 @@
 
 #include <holdfast/graph/graph.hpp>
 
-namespace holdfast {
+namespace holdfast::detail {
 
 struct Phi {
   double value = 0;
@@ -71,4 +71,4 @@ double minimize_along(const Phi& start, double accuracy, const Evaluate& evaluat
   return best;
 }
 
-}  // namespace holdfast
+}  // namespace holdfast::detail

@@ -7,7 +7,7 @@
 #include <holdfast/solvers/irls/internal/line_search.hpp>
 #include <holdfast/solvers/linear/internal/envelope_cholesky.hpp>
 
-namespace holdfast {
+namespace holdfast::detail {
 
 class LinearRows {
  public:
@@ -37,7 +37,10 @@ class LinearRows {
   void evaluate(const Graph& graph, const Values& values);
   bool pattern_holds() const;
   void find_pattern(const Graph& graph);
-  void add_row(const FactorBatch& batch, const Part& part, int factor, int row);
+  template <class Visit>
+  void for_each_column(const FactorBatch& batch, std::size_t b, int factor, const Visit& visit) const;
+  void add_row(const FactorBatch& batch, std::size_t b, int factor, int row);
+  void add_union_of_rows(const FactorBatch& batch, std::size_t b, int factor);
   void order_unknowns();
   void visit(int start);
   bool lay_out_matrix();  ///< false: not thin
@@ -71,4 +74,4 @@ class LinearRows {
   std::vector<double> gradient_, damping_, step_, total_, tangent_;
 };
 
-}  // namespace holdfast
+}  // namespace holdfast::detail

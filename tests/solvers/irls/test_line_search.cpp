@@ -7,6 +7,11 @@
 namespace holdfast::testing {
 namespace {
 
+using holdfast::detail::minimize_along;
+using holdfast::detail::Phi;
+using holdfast::detail::phi_of_rows;
+using holdfast::detail::weights_of_rows;
+
 /// A batch of priors under a loss, its residuals at a point and their change along a direction.
 struct Line {
   Graph graph;

@@ -9,6 +9,8 @@
 namespace holdfast::testing {
 namespace {
 
+using holdfast::detail::LinearRows;
+
 using Measurement = HuberMeasurement<Motion2>;
 
 struct Chain {

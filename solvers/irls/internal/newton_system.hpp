@@ -1,0 +1,61 @@
+// The linearised problem of one structure, (H + λ diag H) δ = −g, with its ordering and factorisation. Internal.
+#pragma once
+
+#include <holdfast/solvers/irls/internal/line_search.hpp>
+#include <holdfast/solvers/linear/internal/block_cholesky.hpp>
+
+namespace holdfast::detail {
+
+class NewtonSystem {
+ public:
+  NewtonSystem(const Graph& graph, const Values& values, int threads);
+
+  bool serves(const Graph& graph, const Values& values, int threads) const {
+    return resolved_.matches(graph, values) && pool_.threads() == threads;
+  }
+  const Resolved& resolved() const { return resolved_; }
+  ThreadPool& pool() { return pool_; }
+  std::size_t size() const { return diagonal_.size(); }
+
+  /// H and g at these values; returns the cost.
+  double linearize(const Graph& graph, const Values& values, Curvature curvature);
+  /// The same where the residuals and Jacobians of each batch are known.
+  double linearize_at(const Graph& graph, const std::vector<std::vector<double>>& r, const std::vector<std::vector<double>>& J,
+                      Curvature curvature);
+  const std::vector<double>& gradient() const { return normal_.gradient(); }  ///< g, in elimination order, as all vectors here
+  const std::vector<double>& diagonal() const { return diagonal_; }           ///< of H
+  void multiply(const std::vector<double>& x, std::vector<double>& y) const { normal_.multiply(x, y); }  ///< y = H x
+
+  /// Factors with this λ and solves for δ. Returns the decrease of the cost that the quadratic model predicts, ½ δᵀ(λ diag(H) δ − g), or
+  /// NaN where the matrix is not positive definite.
+  double solve_damped(double lambda, std::vector<double>& step);
+  /// x = (H + λ diag H)⁻¹ b with the λ of the last solve_damped.
+  void solve_again(const std::vector<double>& b, std::vector<double>& x) { cholesky_.solve(b, x); }
+
+  /// Between the elimination order and Resolved's tangent.
+  void to_tangent(const std::vector<double>& ordered, std::vector<double>& tangent) const {
+    normal_.to_tangent(resolved_, ordered.data(), tangent.data());
+  }
+  void from_tangent(const std::vector<double>& tangent, std::vector<double>& ordered) const {
+    normal_.from_tangent(resolved_, tangent.data(), ordered.data());
+  }
+
+ private:
+  void read_diagonal();
+
+  Resolved resolved_;
+  std::vector<int> variable_;  // of each node of the block graph
+  Symbolic symbolic_;
+  NormalEquations normal_;
+  BlockCholesky cholesky_;
+  ThreadPool pool_;
+  std::vector<double> diagonal_, damping_, rhs_;
+};
+
+/// Where each variable's part of a tangent begins, by batch, for every variable of every factor; −1: fixed.
+std::vector<std::vector<int>> tangent_offsets(const Resolved& resolved);
+
+/// Σ metric_i a_i b_i.
+double dot(const std::vector<double>& metric, const std::vector<double>& a, const std::vector<double>& b);
+
+}  // namespace holdfast::detail

@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <cmath>
+#include <holdfast/solvers/irls/internal/newton_system.hpp>
+#include <holdfast/solvers/linear/internal/damping.hpp>
+
+namespace holdfast::detail {
+namespace {
+
+/// The variables of the free nodes, in the order of elimination.
+std::vector<int> variables_in_order(const Symbolic& symbolic, const std::vector<int>& variable) {
+  std::vector<int> order;
+  for (int node : symbolic.order) order.push_back(variable[node]);
+  return order;
+}
+
+}  // namespace
+
+NewtonSystem::NewtonSystem(const Graph& graph, const Values& values, int threads)
+    : resolved_(graph, values),
+      symbolic_(analyze(block_graph(graph, resolved_, variable_))),
+      normal_(graph, resolved_, variables_in_order(symbolic_, variable_)),
+      cholesky_(std::move(symbolic_), normal_.pattern()),
+      pool_(threads) {
+  for (std::vector<double>* v : {&diagonal_, &damping_, &rhs_}) v->resize(resolved_.tangent_dim());
+}
+
+double NewtonSystem::linearize(const Graph& graph, const Values& values, Curvature curvature) {
+  const double cost = normal_.linearize(graph, resolved_, values, curvature, &pool_);
+  read_diagonal();
+  return cost;
+}
+
+double NewtonSystem::linearize_at(const Graph& graph, const std::vector<std::vector<double>>& r, const std::vector<std::vector<double>>& J,
+                                  Curvature curvature) {
+  const double cost = normal_.linearize_at(graph, r, J, curvature, &pool_);
+  read_diagonal();
+  return cost;
+}
+
+void NewtonSystem::read_diagonal() {
+  const BlockPattern& pattern = normal_.pattern();
+  for (int i = 0; i < pattern.size(); ++i) {
+    const double* block = &normal_.H()[pattern.block_begin[pattern.column_begin[i]]];
+    for (int c = 0; c < pattern.dims[i]; ++c) diagonal_[pattern.offsets[i] + c] = block[c * (pattern.dims[i] + 1)];
+  }
+}
+
+double NewtonSystem::solve_damped(double lambda, std::vector<double>& step) {
+  for (std::size_t i = 0; i < damping_.size(); ++i) damping_[i] = lambda * std::max(diagonal_[i], kLeastDiagonal);
+  if (!cholesky_.factor(normal_.H(), damping_, &pool_)) return NAN;
+  const std::vector<double>& g = gradient();
+  for (std::size_t i = 0; i < rhs_.size(); ++i) rhs_[i] = -g[i];
+  cholesky_.solve(rhs_, step);
+  double predicted = 0;
+  for (std::size_t i = 0; i < step.size(); ++i) predicted += 0.5 * step[i] * (damping_[i] * step[i] - g[i]);
+  return predicted;
+}
+
+std::vector<std::vector<int>> tangent_offsets(const Resolved& resolved) {
+  std::vector<std::vector<int>> offsets;
+  for (const Resolved::Batch& batch : resolved.batches()) {
+    offsets.emplace_back();
+    for (int v : batch.variable) offsets.back().push_back(resolved.variables()[v].offset);
+  }
+  return offsets;
+}
+
+double dot(const std::vector<double>& metric, const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += metric[i] * a[i] * b[i];
+  return sum;
+}
+
+}  // namespace holdfast::detail
