@@ -1,8 +1,8 @@
 // Every back-end that this build can solve with: those of the library, those of other libraries that are on, and GNC round one of them.
 #pragma once
 
-#include <holdfast/solvers/backend.hpp>
 #include <holdfast/solvers/gnc.hpp>
+#include <holdfast/solvers/table.hpp>
 #ifdef HOLDFAST_WITH_GTSAM
 #include <holdfast/adapters/gtsam/backend.hpp>
 #endif

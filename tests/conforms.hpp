@@ -93,7 +93,7 @@ std::tuple<A, B, Rest...> random_variables(variables<A, B, Rest...>*, std::mt199
   const A a = random_variable<A>(rng);
   B b = random_variable<B>(rng);
   if constexpr (std::is_same_v<A, B>) b = near_rotation(a, 1.5, rng);
-  if constexpr (space_dim < A >> 0 && space_dim<A> == space_dim<B>) {
+  if constexpr (space_dim<A> != 0 && space_dim<A> == space_dim<B>) {
     const Vector<space_dim<A>> offset = uniform(rng, 6, 20) * random_unit<space_dim<A>>(rng);
     b = moved_to(b, a.position() + offset);
   }
@@ -140,12 +140,13 @@ void draw_field(T& field, std::mt19937_64& rng) {
     field = static_cast<int>(uniform(rng, 1, 5));
   } else if constexpr (holdfast::detail::IsFixedMatrix<T>::value) {
     constexpr int rows = T::RowsAtCompileTime, cols = T::ColsAtCompileTime;
-    static_assert(cols == 1 || rows == cols, "write a Sample for this factor: one of its fields is a matrix that is not square");
     if constexpr (cols == 1)
       field = random_unit<rows>(rng);
-    else
+    else if constexpr (rows == cols)
       field = Eigen::LLT<T>(random_covariance<rows>(rng)).matrixU();
-  } else {
+    else
+      for (int c = 0; c < cols; ++c) field.col(c) = random_vector<rows>(rng);
+  } else if constexpr (!std::is_enum_v<T>) {  // an enum stays as it is
     field = near_rotation(T{}, 1, rng);
   }
 }

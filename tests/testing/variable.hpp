@@ -75,7 +75,7 @@ class VariableChecker {
     }
   }
   void check_position(const V& x, std::mt19937_64& rng) {
-    if constexpr (space_dim < V >> 0) {
+    if constexpr (space_dim<V> != 0) {
       const Tangent delta = random_vector<V::dim>(rng, 0.5);
       const Vector<V::space_dim> off = x.retract(delta).position() - x.position() - V::position_jacobian() * delta;
       expect(off.norm() < 1e-12 * (1 + x.position().norm()), "the position does not move by position_jacobian() * delta", off.norm());
