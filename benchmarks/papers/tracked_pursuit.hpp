@@ -4,6 +4,7 @@
 // an arrival cost, noise along and across the way the target goes, and an eye on itself (solvers/window/lock.hpp).
 #pragma once
 
+#include <deque>
 #include <holdfast/benchmarks/papers/paper.hpp>
 #include <holdfast/benchmarks/papers/pursuit.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
