@@ -63,7 +63,7 @@ class LinearRows {
   // rank-one part of Newton's curvature: (Jᵀr)ᵀ.
   std::vector<int> row_begin_, unknown_, source_;
   std::vector<double> value_;
-  std::size_t entries_ = 0;  // while they are found
+  std::size_t entries_ = 0;              // while they are found
   std::vector<int> pair_begin_, place_;  // of each row: where the products of its entries go in H
   std::vector<double> gradient_weight_, hessian_weight_;
   // Unknowns: places in the tangent; position: in elimination order.
