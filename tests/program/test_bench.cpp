@@ -104,7 +104,7 @@ TEST_F(Bench, RunsAgainUnderOtherOptions) {
 }
 
 TEST_F(Bench, ARunIsThereAlreadyOnlyWhereAllOfTheQuestionIsTheSame) {
-  const auto small = [] { return swarm(3, 1); };
+  const auto small = [] { return swarm(20, 1); };
   const Suite suite{"a suite", "", false, 100, {}};
   const Case one{"swarm", "squared", "anywhere", small};
   RunnerOptions options;

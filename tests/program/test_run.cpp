@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <holdfast/common/run.hpp>
 #include <holdfast/common/table.hpp>
+#include <limits>
 #include <sstream>
 
 namespace holdfast::common {
