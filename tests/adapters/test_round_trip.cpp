@@ -17,16 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string text_of(const Dataset& dataset) {
-  switch (dataset.format) {
-    case Format::PyFG:
-      return to_pyfg(dataset);
-    case Format::G2o:
-      return to_g2o(dataset);
-    default:
-      return to_toro(dataset);
-  }
-}
+std::string text_of(const Dataset& dataset) { return to_text(dataset, dataset.format); }
 
 TEST(RoundTrip, AFileThroughAGraphIsTheSameFile) {
   int count = 0;

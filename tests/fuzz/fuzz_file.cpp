@@ -14,15 +14,11 @@ namespace {
 
 constexpr std::size_t kLargest = 48;  // edges of a problem that is solved
 
-std::string text_of(const Dataset& dataset, Format format) {
-  return format == Format::PyFG ? to_pyfg(dataset) : format == Format::G2o ? to_g2o(dataset) : to_toro(dataset);
-}
-
 void write_and_read_again(const Dataset& dataset) {
-  const std::string text = text_of(dataset, dataset.format);
+  const std::string text = to_text(dataset, dataset.format);
   std::istringstream in(text);
   const Dataset again = parse_dataset(in, "again", dataset.format);
-  fuzz::require(text_of(again, again.format) == text, "a file written, read and written again has changed:\n", text);
+  fuzz::require(to_text(again, again.format) == text, "a file written, read and written again has changed:\n", text);
   fuzz::require(again.vertices.size() == dataset.vertices.size() && again.edges.size() == dataset.edges.size() &&
                     again.fixed.size() == dataset.fixed.size() && again.unknown.size() == dataset.unknown.size(),
                 "records are lost:\n", text);
@@ -35,7 +31,7 @@ void convert(Dataset dataset) {
   dataset.unknown.clear();
   for (Format format : {Format::PyFG, Format::G2o, Format::Toro}) {
     try {
-      std::istringstream in(text_of(dataset, format));
+      std::istringstream in(to_text(dataset, format));
       parse_dataset(in, "converted", format);
     } catch (const BadFile&) {
     }

@@ -17,18 +17,10 @@ struct Counts {
 std::string finished(LineParser& parser) {
   try {
     const Dataset dataset = parser.finish();
-    switch (dataset.format) {
-      case Format::PyFG:
-        return to_pyfg(dataset);
-      case Format::G2o:
-        return to_g2o(dataset);
-      case Format::Toro:
-        return to_toro(dataset);
-    }
+    return to_text(dataset, dataset.format);
   } catch (const BadFile& problem) {
     return problem.what();
   }
-  return {};
 }
 
 }  // namespace

@@ -78,17 +78,7 @@ inline void expect_same(const Dataset& a, const Dataset& b) {
   for (std::size_t i = 0; i < a.unknown.size(); ++i) EXPECT_EQ(a.unknown[i].text, b.unknown[i].text);
 }
 
-inline std::string written(const Dataset& dataset) {
-  switch (dataset.format) {
-    case Format::PyFG:
-      return to_pyfg(dataset);
-    case Format::G2o:
-      return to_g2o(dataset);
-    case Format::Toro:
-      return to_toro(dataset);
-  }
-  return {};
-}
+inline std::string written(const Dataset& dataset) { return to_text(dataset, dataset.format); }
 
 /// Runs `action`, which must throw E, and checks that its message holds every part.
 template <class E, class Action>
