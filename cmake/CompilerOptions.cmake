@@ -31,7 +31,8 @@ function(holdfast_compiler_options target)
   endif()
 endfunction()
 
-# Foreign headers that nearly every source of the target includes, parsed once. None of ours: a cached one would outlive its change. Sources include what they use all the same: preset minimal has no
+# Foreign headers that nearly every source of the target includes, parsed once. None of ours: a cached one would outlive its change.
+# Sources include what they use all the same: preset minimal has no
 # precompiled headers.
 function(holdfast_precompile target)
   if(HOLDFAST_PCH)
