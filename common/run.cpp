@@ -44,6 +44,13 @@ double median(std::vector<double> numbers) {
   return numbers.size() % 2 == 1 ? numbers[middle] : (numbers[middle - 1] + numbers[middle]) / 2;
 }
 
+double percentile_95(std::vector<double> numbers) {
+  if (numbers.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const std::size_t place = (numbers.size() * 95 + 99) / 100 - 1;
+  std::nth_element(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(place), numbers.end());
+  return numbers[place];
+}
+
 Json to_json(const Run& run) {
   const Task& task = run.task;
   const Summary& s = run.summary;

@@ -35,6 +35,9 @@ Run run_task(const Task& task, const Instance& instance, Values& answer);
 /// The middle one, or the mean of the two in the middle.
 double median(std::vector<double> numbers);
 
+/// The least of them that 95 of 100 do not exceed.
+double percentile_95(std::vector<double> numbers);
+
 /// One line of results. Unknown and non-finite numbers are null; `seconds` is the median of the repetitions.
 Json to_json(const Run& run);
 

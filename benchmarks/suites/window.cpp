@@ -100,12 +100,6 @@ double mean(const std::vector<double>& numbers) {
   return sum / static_cast<double>(numbers.size());
 }
 
-double percentile_95(std::vector<double> numbers) {
-  const std::size_t place = (numbers.size() * 95 + 99) / 100 - 1;
-  std::nth_element(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(place), numbers.end());
-  return numbers[place];
-}
-
 /// Over the lowest cost that anybody found, window by window.
 double largest_excess(const Row& row, const std::vector<Row>& all) {
   double largest = 0;

@@ -109,5 +109,14 @@ TEST(Median, IsInTheMiddle) {
   EXPECT_TRUE(std::isnan(median({})));
 }
 
+TEST(Percentile, IsTheLeastThat95Of100DoNotExceed) {
+  std::vector<double> numbers;
+  for (int i = 100; i >= 1; --i) numbers.push_back(i);
+  EXPECT_EQ(percentile_95(numbers), 95);
+  EXPECT_EQ(percentile_95({1, 2, 3, 4, 5, 6, 7, 8, 9, 10}), 10);
+  EXPECT_EQ(percentile_95({7}), 7);
+  EXPECT_TRUE(std::isnan(percentile_95({})));
+}
+
 }  // namespace
 }  // namespace holdfast::common

@@ -1,5 +1,5 @@
 // The public data: counts as its README has them, and nothing lost between reading and writing.
-#include <chrono>
+#include <ctime>
 #include <set>
 
 #include "tests/graph/files/helpers.hpp"
@@ -83,22 +83,22 @@ INSTANTIATE_TEST_SUITE_P(All, DataFile,
                            return std::filesystem::path(instance.param.file).stem().string();
                          });
 
-TEST(Speed, HundredThousandEdges) {
+/// Seconds of the processor, not of a clock that goes on while others have it; the least of three.
+double seconds_to_parse(int edges) {
   std::string text;
   const std::string tail =
       " 0.1 0.25 -0.125 0 0 0.6 0.8 10.5 0 0 0 0 0 10.25 0 0 0 0 10.125 0 0 0 400.021 0.00193512 2.06612 399.993 0.496977 99.203\n";
-  for (int i = 0; i < 100000; ++i) text += "EDGE_SE3:QUAT " + std::to_string(i) + " " + std::to_string(i + 1) + tail;
-  const auto begin = std::chrono::steady_clock::now();
-  EXPECT_EQ(parsed(text, Format::G2o).edges.size(), 100000u);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  RecordProperty("seconds", std::to_string(seconds));
-#ifdef __SANITIZE_ADDRESS__
-  constexpr double kMost = 60;
-#else
-  constexpr double kMost = 10;
-#endif
-  EXPECT_LT(seconds, kMost);  // well under 1 s optimised on a free machine: a guard against the quadratic, not a benchmark
+  for (int i = 0; i < edges; ++i) text += "EDGE_SE3:QUAT " + std::to_string(i) + " " + std::to_string(i + 1) + tail;
+  double least = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < 3; ++round) {
+    const std::clock_t begin = std::clock();
+    EXPECT_EQ(parsed(text, Format::G2o).edges.size(), static_cast<std::size_t>(edges));
+    least = std::min(least, static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+  }
+  return least;
 }
+
+TEST(Parsing, TakesTimeInProportionToTheEdges) { EXPECT_LT(seconds_to_parse(80'000), 16 * seconds_to_parse(10'000)); }  // 64 if quadratic
 
 }  // namespace
 }  // namespace holdfast

@@ -60,6 +60,20 @@ TEST(Marginalize, AccountsForTheWholeCost) {
   EXPECT_GT(constant, 0);
 }
 
+// Three readings of A0, at 1, 2 and 6, and B0 beside A0: the readings' mean is 3, and what they differ costs ½ (4 + 1 + 9), wherever B0 is.
+TEST(Marginalize, KeepsWhatTheReadingsOfOneVariableCostAmongThemselves) {
+  Graph graph;
+  Values values;
+  values.insert(A(0), Point2(10, -3));  // linear: anywhere
+  values.insert(B(0), Point2(5, 0));
+  for (const double x : {1.0, 2.0, 6.0}) graph.add(Prior<Point2>::from_sigmas(Point2(x, 0), Vector<2>(1, 1)), {A(0)});
+  graph.add(Between<Point2>::from_sigmas(Point2(0, 0), Vector<2>(1, 1)), {A(0), B(0)});
+  marginalize(graph, values, {A(0)});
+  const auto& prior = dynamic_cast<const LinearPriorBatch&>(*graph.batches().back()).prior();
+  EXPECT_NEAR(prior.constant, 7, 1e-12);
+  EXPECT_NEAR(graph.cost(values), 1.5, 1e-12);  // ½ 2² / (1/3 + 1)
+}
+
 template <class V>
 void expect_pose_graph_keeps_its_answer(const Loss& loss) {
   const SmallProblem full = slam<V>(5, 25, 0.05, loss);

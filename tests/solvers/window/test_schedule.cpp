@@ -99,6 +99,21 @@ TEST(Schedule, NothingIsBoundBeforeTheFirstRangeOrWithoutAFactorForIt) {
   EXPECT_EQ(silent.stream().count(Arrival::dropped), 4u);
 }
 
+TEST(Schedule, TheLastArrivalBoundsThoseAfterItAlsoWhenItHasLeftTheWindow) {
+  Robot robot(false, 4);
+  robot.receive(1);
+  for (int t = 1; t <= 12; ++t) robot.step(t);
+  ASSERT_GT(robot.stream().entries().front().number, 0);  // number 0, which came at 1 s, is forgotten
+  const std::vector<Missing> missing = robot.missing();
+  ASSERT_FALSE(missing.empty());
+  double widest = 0;
+  for (const Missing& one : missing) {
+    EXPECT_EQ(one.d_prev, Robot::range(1).distance);
+    widest = std::max(widest, one.rho);
+  }
+  EXPECT_NEAR(widest, 0.5 * std::sqrt(11), 1e-12);  // the one at 12 s: eleven after the last that came
+}
+
 TEST(Schedule, ALateRangeTakesThePlaceOfItsBound) {
   Robot robot, in_time;
   for (int t = 1; t <= 6; ++t) {

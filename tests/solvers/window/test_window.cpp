@@ -398,18 +398,6 @@ TEST(Window, ReportsWhatItsLossesBelieve) {
   EXPECT_EQ(outliers, 1);
 }
 
-TEST(Window, SaysWhereTheTimeWent) {
-  WindowOptions options = exact_options(1);
-  options.deadline = 100;
-  options.covariances = options.report = true;
-  Window window = tracker(options);
-  window.add(position(truth(0.1)), {window.at('A', 0.1)});
-  const WindowStep& step = window.step(0.1);
-  EXPECT_TRUE(step.deadline_kept);
-  for (double seconds : {step.seconds.add, step.seconds.solve, step.seconds.covariances, step.seconds.report}) EXPECT_GT(seconds, 0);
-  EXPECT_GE(step.seconds.total(), step.summary.seconds);
-}
-
 // ---- files
 
 std::string path_of(const std::string& name) { return (std::filesystem::temp_directory_path() / ("holdfast_window_" + name)).string(); }
