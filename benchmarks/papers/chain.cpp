@@ -1,4 +1,3 @@
-#include <Eigen/LU>
 #include <holdfast/benchmarks/papers/chain.hpp>
 
 namespace holdfast::bench {
@@ -47,29 +46,6 @@ Summary Chain::solve(Backend& backend, std::vector<ChainNode>& nodes) {
   polish_(graph_, values_, summary);
   for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i].state = values_.at<Motion2>(key(i));
   return summary;
-}
-
-Prior<Motion2> Chain::marginalized(const Prior<Motion2>& arrival, const ChainNode& first, const ChainNode& second) {
-  Graph leaving;
-  Values values;
-  values.insert(key(0), first.state);
-  values.insert(key(1), second.state);
-  leaving.add(arrival, {key(0)}, losses_.arrival);
-  for (std::size_t c = 0; c < cameras_.size(); ++c)
-    if (first.z[c]) leaving.add(seen(cameras_[c], *first.z[c]), {key(0)}, losses_.measurement, cameras_[c].weight);
-  leaving.add(second.motion, {key(0), key(1)}, losses_.motion);
-  const FactorId remaining = marginalizer_.eliminate(leaving, values, key(0));
-  const LinearPrior& left = std::as_const(leaving).at<LinearPrior>(remaining);
-  if (left.rows != 4)
-    fail<BadProblem>("a state that leaves the window leaves ", left.rows, " rows of 4: its arrival cost must hold every direction");
-  const Matrix<4, 4> A = Eigen::Map<const Matrix<4, 4>>(left.A.data());
-  const Vector<4> b = Eigen::Map<const Vector<4>>(left.b.data());
-  return {Motion2(second.state.value - A.partialPivLu().solve(b)), A};
-}
-
-double Chain::squared_residual(const ChainNode& node, std::size_t camera) const {
-  const Vector<2> error = *node.z[camera] - node.state.position();
-  return error.dot(cameras_[camera].Q.llt().solve(error));
 }
 
 }  // namespace holdfast::bench

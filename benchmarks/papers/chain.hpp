@@ -1,13 +1,11 @@
-// A window of a target's states in one graph: each state seen by cameras, a motion from each to the next, and what is known of the first.
+// The windows of paper A's own estimators (rivals_a.hpp): a target's states in one graph, each state seen by cameras, a motion from each to the next, and what is known of the first.
 // The structure stays while the number of states does: numbers are exchanged in place, and a back-end uses its symbolic work again.
 #pragma once
 
-#include <holdfast/benchmarks/papers/kalman.hpp>
 #include <holdfast/benchmarks/papers/polish.hpp>
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
-#include <holdfast/solvers/window/marginalize.hpp>
 #include <optional>
 #include <vector>
 
@@ -37,16 +35,11 @@ class Chain {
   void set(const std::vector<ChainNode>& nodes, const std::optional<Prior<Motion2>>& arrival);
   /// Solves, polishes (polish.hpp), and writes the answer into the nodes, those of set().
   Summary solve(Backend& backend, std::vector<ChainNode>& nodes);
-  /// What is left when the first node leaves: solvers/window/marginalize.hpp, measurements at their weights at its state. An arrival cost
-  /// of the second, exact for a chain: it is what a Kalman step makes of it.
-  Prior<Motion2> marginalized(const Prior<Motion2>& arrival, const ChainNode& first, const ChainNode& second);
 
   const Graph& graph() const { return graph_; }
   const Values& values() const { return values_; }
   Key key(std::size_t node) const { return Agent('A')(node); }
   FactorId measurement(std::size_t node, std::size_t camera) const { return measurements_[node][camera]; }
-  /// ‖Q^{-1/2} (z − p)‖² of a node's measurement as the node's state has it.
-  double squared_residual(const ChainNode& node, std::size_t camera) const;
 
  private:
   using Measurement = HuberMeasurement<Motion2>;
@@ -61,7 +54,6 @@ class Chain {
   std::vector<FactorId> motions_;
   std::optional<FactorId> arrival_;
   Polish polish_;
-  Marginalizer marginalizer_;
 };
 
 }  // namespace holdfast::bench

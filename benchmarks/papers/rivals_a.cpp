@@ -1,5 +1,6 @@
 #include <Eigen/LU>
 #include <algorithm>
+#include <holdfast/benchmarks/papers/kalman.hpp>
 #include <holdfast/benchmarks/papers/rivals_a.hpp>
 #include <holdfast/solvers/table.hpp>
 

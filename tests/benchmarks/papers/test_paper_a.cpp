@@ -3,7 +3,7 @@
 
 #include <Eigen/LU>
 #include <holdfast/benchmarks/papers/rivals_a.hpp>
-#include <holdfast/benchmarks/papers/robust_tracker.hpp>
+#include <holdfast/benchmarks/papers/tracked_pursuit.hpp>
 #include <holdfast/benchmarks/scenarios/random.hpp>
 #include <holdfast/solvers/table.hpp>
 
@@ -93,11 +93,11 @@ TEST(RivalsA, HuberStandsOutliersThatLeastSquaresDoesNot) {
 
 Positions tracked(const Pursuit& data, const TrackerOptions& options, int lag = 0) {
   const double variance = data.options.sigma * data.options.sigma;
-  RobustTracker tracker(data.options.dt, {variance * Matrix<2, 2>::Identity()}, options);
+  PursuitTracker tracker(data.options.dt, {variance * Matrix<2, 2>::Identity()}, options);
   Positions positions;
   for (std::size_t k = 0; k < data.truth.size(); ++k) {
     tracker.step(data.sightings[k]);
-    positions.push_back((static_cast<int>(k) < lag ? tracker.state() : tracker.smoothed(lag)).position());
+    positions.push_back((static_cast<int>(k) < lag ? tracker.state() : tracker.state(lag)).position());
   }
   return positions;
 }
@@ -105,7 +105,7 @@ Positions tracked(const Pursuit& data, const TrackerOptions& options, int lag = 
 #ifdef HOLDFAST_WITH_CERES
 constexpr double kSame = 1e-6;  // [m]; measured: 7e-8
 
-TEST(RobustTracker, GivesTheSameNumbersFromCeresAndIrls) {
+TEST(PursuitTracker, GivesTheSameNumbersFromCeresAndIrls) {
   for (const Loss& loss : {Loss(TruncatedSquares{3.5}), Loss(StudentT{3}), Loss(Huber{1.345})})
     for (const PursuitOptions& scenario : {soiled(150), soiled_and_fast(150)}) {
       TrackerOptions options;
@@ -154,51 +154,18 @@ TEST(Chain, PolishesNoMoreThanTheLastDigits) {
   }
 }
 
-// A state that leaves a chain leaves what Kalman's filter would know, robust terms with the covariance Q / ρ'.
-TEST(Chain, LeavesWhatAKalmanStepKnows) {
-  Random random(3);
-  Matrix<2, 2> Q, R;
-  Q << 4, 1, 1, 2;
-  R << 1, 0.3, 0.3, 2;
-  for (const Loss& loss : {Loss(Squared()), Loss(Huber{1.345}), Loss(StudentT{3}), Loss(TruncatedSquares{3.5})}) {
-    Chain chain({{Q, 1}, {R, 1}}, {loss, Squared(), Squared()});
-    const auto motion = WhiteAcceleration<Motion2>::continuous(0.15, 30);
-    Gaussian<4> known{random.normals<4>(10), Vector<4>(9, 4, 16, 1).asDiagonal()};
-    Prior<Motion2> arrival = Prior<Motion2>::from_covariance(Motion2(known.mean), known.covariance);
-    Motion2 state(known.mean);
-    for (int k = 0; k < 100; ++k) {
-      ChainNode first{k, {}, motion, state}, second{k + 1, {}, motion, Motion2(random.normals<4>(10))};
-      first.z.push_back(state.position() + random.normals<2>(k % 7 == 0 ? 30 : 1));
-      first.z.push_back(k % 3 == 0 ? std::nullopt : std::optional<Vector<2>>(state.position() + random.normals<2>(1)));
-      for (int c = 0; c < 2; ++c) {
-        if (!first.z[c]) continue;
-        const double weight = loss.rho(chain.squared_residual(first, c), 2).first;
-        const Matrix<2, 4> C = Motion2::position_jacobian();
-        if (weight > 0) known = corrected(known, *first.z[c], C, Matrix<2, 2>((c == 0 ? Q : R) / weight));
-      }
-      const Matrix<4, 4> noise = (motion.sqrt_information.transpose() * motion.sqrt_information).inverse();
-      known = predicted(known, transition<Motion2>(0.15), noise);
-      arrival = chain.marginalized(arrival, first, second);
-      const Matrix<4, 4> covariance = (arrival.sqrt_information.transpose() * arrival.sqrt_information).inverse();
-      EXPECT_LT((arrival.mean.value - known.mean).norm(), 1e-9) << loss.str() << k;
-      EXPECT_LT((covariance - known.covariance).norm(), 1e-9) << loss.str() << k;
-      state = Motion2(known.mean);
-    }
-  }
-}
-
 // With squared losses the arrival cost holds all that the dropped states knew.
-TEST(RobustTracker, LosesNothingByAShortWindow) {
+TEST(PursuitTracker, LosesNothingByAShortWindow) {
   TrackerOptions options;
   options.loss = Squared();
   const Pursuit data = without_outliers(soiled(150), 6);
-  options.window = options.memory = 200;
+  options.window = options.lock.memory = 200;
   const Positions all = tracked(data, options);
   options.window = 2;
   EXPECT_LT(largest_difference(all, tracked(data, options)), 1e-6);
 }
 
-TEST(RobustTracker, IsCloseToWhatItWouldBeWithoutOutliers) {
+TEST(PursuitTracker, IsCloseToWhatItWouldBeWithoutOutliers) {
   constexpr int kSteps = 400;
   const Pursuit data = pursuit(soiled(kSteps), 7), clean = without_outliers(soiled(kSteps), 7);
   const double soil = rmse(data, tracked(data, {}), 60, kSteps);
@@ -206,7 +173,7 @@ TEST(RobustTracker, IsCloseToWhatItWouldBeWithoutOutliers) {
   EXPECT_LT(rmse(data, tracked(data, {}), 60, kSteps), 1);
 }
 
-TEST(RobustTracker, AgreesWithHindsight) {
+TEST(PursuitTracker, AgreesWithHindsight) {
   const Pursuit data = pursuit(soiled(200), 8);
   const Positions late = tracked(data, {}, 20);
   double sum = 0;
@@ -215,14 +182,14 @@ TEST(RobustTracker, AgreesWithHindsight) {
 }
 
 // All measurements move 100 m away at once: to a truncated loss with an arrival cost each of them is an outlier, for ever.
-TEST(RobustTracker, NoticesThatItIsLockedOut) {
+TEST(PursuitTracker, NoticesThatItIsLockedOut) {
   constexpr int kJump = 100, kSteps = 200;
   Pursuit data = without_outliers(soiled(kSteps), 9);
   for (int k = kJump; k < kSteps; ++k) {
     data.sightings[k][0].z += Vector<2>(100, 0);
     data.truth[k].value[0] += 100;
   }
-  RobustTracker tracker(data.options.dt, {Matrix<2, 2>::Identity()}, {});
+  PursuitTracker tracker(data.options.dt, {Matrix<2, 2>::Identity()}, {});
   for (int k = 0; k < kSteps; ++k) {
     tracker.step(data.sightings[k]);
     if (k == kJump - 1) {
