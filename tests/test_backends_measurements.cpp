@@ -40,10 +40,22 @@ TEST(Measurements, CovariancesArePositiveDefinite) {
   for (const auto& bad : {indefinite, singular, skew, Matrix<2, 2>(Matrix<2, 2>::Zero()), Matrix<2, 2>(-Matrix<2, 2>::Identity()),
                           Matrix<2, 2>(Matrix<2, 2>::Constant(NAN))}) {
     EXPECT_THROW(Prior<Point2>::from_covariance(Point2(0, 0), bad), BadNumber) << bad;
-    EXPECT_THROW(Prior<Point2>::from_information(Point2(0, 0), bad), BadNumber) << bad;
     EXPECT_THROW(HuberMeasurement<Point2>::of_position({0, 0}, {0, 0}, bad), BadNumber) << bad;
     EXPECT_THROW((RelativePoint<Pose2, Point2>::from_covariance({0, 0}, bad)), BadNumber) << bad;
   }
+}
+
+TEST(Measurements, InformationIsPositiveSemidefinite) {
+  Matrix<2, 2> indefinite, singular, skew;
+  indefinite << 1, 2, 2, 1;
+  singular << 1, 1, 1, 1;
+  skew << 1, 0.5, -0.5, 1;
+  for (const auto& bad : {indefinite, skew, Matrix<2, 2>(-Matrix<2, 2>::Identity()), Matrix<2, 2>(Matrix<2, 2>::Constant(NAN))})
+    EXPECT_THROW(Prior<Point2>::from_information(Point2(0, 0), bad), BadNumber) << bad;
+  const auto of_the_sum = Prior<Point2>::from_information(Point2(0, 0), singular);  // of x + y, and of nothing else
+  EXPECT_NEAR(of_the_sum(Point2(3, 1)).squaredNorm(), 16, 1e-12);
+  EXPECT_NEAR(of_the_sum(Point2(2, -2)).squaredNorm(), 0, 1e-12);
+  EXPECT_EQ(Prior<Point2>::from_information(Point2(0, 0), Matrix<2, 2>::Zero())(Point2(3, 1)).norm(), 0);
 }
 
 }  // namespace
