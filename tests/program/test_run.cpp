@@ -50,7 +50,7 @@ TEST(RunLine, HoldsEveryNumberUnderItsName) {
 }
 
 TEST(RunLine, HasNoNumberOfWhatIsUnknown) {
-  Run run = any_run();
+  common::Run run = any_run();
   run.error.reset();
   run.summary.termination = Termination::failed;
   run.summary.cost = std::numeric_limits<double>::quiet_NaN();
@@ -62,7 +62,7 @@ TEST(RunLine, HasNoNumberOfWhatIsUnknown) {
 }
 
 TEST(RunLine, IsOneLineWhateverTheFileIsCalled) {
-  Run run = any_run();
+  common::Run run = any_run();
   run.task.file = "a\n\xFF.g2o";
   const std::string line = to_line(to_json(run));
   EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1);
