@@ -127,7 +127,10 @@ std::ostream& operator<<(std::ostream& out, Key key);
 template <>
 struct std::hash<holdfast::Key> {
   std::size_t operator()(holdfast::Key key) const noexcept {
-    std::uint64_t x = key.bits() * 0x9E3779B97F4A7C15ull;  // Fibonacci hashing: consecutive steps and agents spread over the table
+    // A product alone leaves keys that differ in high bits only (agents at one step) crowded; so fold, multiply, fold, twice.
+    std::uint64_t x = key.bits();
+    x = (x ^ (x >> 32)) * 0x9E3779B97F4A7C15ull;
+    x = (x ^ (x >> 29)) * 0xBF58476D1CE4E5B9ull;
     return static_cast<std::size_t>(x ^ (x >> 32));
   }
 };

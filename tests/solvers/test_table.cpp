@@ -35,7 +35,7 @@ TEST(BackendNames, HoldTheInHouseOnesInOrder) {
 TEST(MakeBackend, GivesTheOneOfThatNameWithTheOptions) {
   Options options;
   options.max_iterations = 17;
-  for (const std::string& name : {"irls", "nesterov"}) {
+  for (const std::string name : {"irls", "nesterov"}) {
     const auto backend = make_backend(name, options);
     EXPECT_EQ(backend->name(), name);
     EXPECT_EQ(backend->options.max_iterations, 17);

@@ -9,6 +9,8 @@
 namespace holdfast::bench {
 namespace {
 
+using program::InDirectory;
+using program::lines_of;
 using ::testing::HasSubstr;
 
 TEST(Quantile, IsBetweenItsNeighbours) {

@@ -1,4 +1,5 @@
 // The same graph as a ceres::Problem: what test_backends_every_factor.cpp leaves open.
+#include <glog/logging.h>
 #include <gtest/gtest.h>
 
 #include <holdfast/solvers/ceres/ceres.hpp>
@@ -41,16 +42,22 @@ TEST(Ceres, CountsWhatOnlyFixedVariablesCost) {
   EXPECT_NEAR(summary.cost, problem.graph.cost(values), 1e-12 * summary.cost);
 }
 
-// The library prints nothing, whatever Ceres has to say about a matrix.
-TEST(Ceres, IsQuietWhereTheNormalEquationsAreSingular) {
+// Ceres warns of a singular matrix. The log is the program's: its level stays as the program set it, and then holds.
+TEST(Ceres, LeavesTheLevelOfTheLogToTheProgram) {
   Graph graph;
   graph.add(Between<Point2>::from_sigmas(Point2(1, 0), Vector<2>(0.1, 0.1)), {Key('A', 0), Key('A', 1)});
   Values values;
   values.insert(Key('A', 0), Point2(0, 0));
   values.insert(Key('A', 1), Point2(0, 1));
-  ::testing::internal::CaptureStderr();
-  solve("ceres", graph, values);
-  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  const int level = FLAGS_minloglevel;
+  for (const int chosen : {google::GLOG_ERROR, google::GLOG_FATAL}) {
+    FLAGS_minloglevel = chosen;
+    ::testing::internal::CaptureStderr();
+    solve("ceres", graph, values);
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+    EXPECT_EQ(FLAGS_minloglevel, chosen);
+  }
+  FLAGS_minloglevel = level;
 }
 
 TEST(Ceres, VariantsDifferInTheWayNotInTheEnd) {

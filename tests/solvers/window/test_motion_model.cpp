@@ -33,7 +33,7 @@ class SteppedMotionTest : public ::testing::Test {
     values.insert(A(0), Motion2(0, 1, 0, 2));
     values.insert(A(1), Motion2(0, 1, 0, 2));
   }
-  const Motion& added(double seconds) { return graph.at<Motion>(model.add(graph, A(0), A(1), seconds)); }
+  const Motion& added(double seconds) { return graph.at<Motion>(model.add(graph, values, A(0), A(1), seconds, true)); }
 
   SteppedMotion<Motion> model;
   Graph graph;
@@ -49,25 +49,25 @@ TEST_F(SteppedMotionTest, IsTheFactorMergedOverItsSteps) {
 }
 
 TEST_F(SteppedMotionTest, HasItsLoss) {
-  model.add(graph, A(0), A(1), 0.1);
+  model.add(graph, values, A(0), A(1), 0.1, true);
   EXPECT_EQ(graph.batches()[0]->loss(0), Loss(Huber{3}));
 }
 
 TEST_F(SteppedMotionTest, InsertsWhereItLeads) {
-  model.insert_predicted(values, A(0), A(2), 0.3);
+  model.insert_predicted(values, A(0), A(2), 0.3, true);
   EXPECT_LT((values.at<Motion2>(A(2)).value - Vector<4>(0.3, 1, 0.6, 2)).norm(), 1e-12);
 }
 
 TEST_F(SteppedMotionTest, RefusesTimesOffItsGrid) {
   for (const double seconds : {0.15, 0.0, -0.1, 1e6, static_cast<double>(NAN)}) {
     try {
-      model.add(graph, A(0), A(1), seconds);
+      model.add(graph, values, A(0), A(1), seconds, true);
       ADD_FAILURE() << seconds;
     } catch (const BadTime& error) {
       EXPECT_THAT(error.what(), HasSubstr("dt = 0.1"));
     }
   }
-  EXPECT_NO_THROW(model.add(graph, A(0), A(1), 0.30001));  // a clock's rounding
+  EXPECT_NO_THROW(model.add(graph, values, A(0), A(1), 0.30001, true));  // a clock's rounding
   EXPECT_THROW(SteppedMotion<Motion>(step_of(0.1), 0, {}), BadNumber);
 }
 
@@ -76,9 +76,9 @@ TEST(TimedMotion, IsMadeForAnyTime) {
   Graph graph;
   Values values;
   values.insert(A(0), Motion2(0, 1, 0, 2));
-  model.insert_predicted(values, A(0), A(1), 0.37);
+  model.insert_predicted(values, A(0), A(1), 0.37, true);
   EXPECT_LT((values.at<Motion2>(A(1)).value - Vector<4>(0.37, 1, 0.74, 2)).norm(), 1e-12);
-  EXPECT_EQ(graph.at<Motion>(model.add(graph, A(0), A(1), 0.37)).dt, 0.37);
+  EXPECT_EQ(graph.at<Motion>(model.add(graph, values, A(0), A(1), 0.37, true)).dt, 0.37);
 }
 
 }  // namespace
