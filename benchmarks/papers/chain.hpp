@@ -1,4 +1,5 @@
-// The windows of paper A's own estimators (rivals_a.hpp): a target's states in one graph, each state seen by cameras, a motion from each to the next, and what is known of the first.
+// The windows of paper A's own estimators (rivals_a.hpp): a target's states in one graph, each state seen by cameras, a motion from
+// each to the next, and what is known of the first.
 // The structure stays while the number of states does: numbers are exchanged in place, and a back-end uses its symbolic work again.
 #pragma once
 
