@@ -57,6 +57,7 @@ TEST_F(CliTrack, TellsRobotsOfOneKindApart) {
   const Outcome outcome = holdfast_program({"track",
                                             write("robots.pyfg",
                                                   "VERTEX_SE2 0 r1:0 0 0 0\nVERTEX_SE2 0 r5299989643264 0 3 0\n"
+                                                  "VERTEX_SE2 1 r1:1 1 0 0\nVERTEX_SE2 1 r1234:1 2 3 0\n"
                                                   "EDGE_SE2 1 r1:0 r1:1 1 0 0" +
                                                       noise + "EDGE_SE2 1 r5299989643264 r1234:1 2 0 0" + noise),
                                             "--lag", "2"});

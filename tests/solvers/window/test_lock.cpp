@@ -11,7 +11,7 @@ namespace {
 
 constexpr Agent A('A'), B('B');
 constexpr double kStep = 0.1;  // [s]
-constexpr int kJump = 60, kSteps = 100;
+constexpr int kJump = 60, kSteps = 140;
 using Motion = WhiteAcceleration<Motion2>;
 using Position = HuberMeasurement<Motion2>;
 
@@ -54,7 +54,7 @@ TEST(Lock, IsLostNoticedSaidAndFoundAgain) {
   EXPECT_GE(noticed, kJump + 4);  // more than half of 8
   EXPECT_LE(noticed, kJump + 5);
   EXPECT_GE(found, noticed);
-  EXPECT_LE(found, kJump + 40);
+  EXPECT_LE(found, kJump + LockOptions().memory + LockOptions().patience);  // by then the memory holds nothing else
   EXPECT_TRUE(window.last_step().lost.empty());
   EXPECT_LT((window.newest<Motion2>(A).position() - Vector<2>(5 * kStep * (kSteps - 1) + 100, 0)).norm(), 2);
   EXPECT_LE(window.states(A).size(), 20u);
