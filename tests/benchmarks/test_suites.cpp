@@ -10,6 +10,8 @@
 namespace holdfast::bench {
 namespace {
 
+using program::InDirectory;
+using program::lines_of;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
