@@ -12,8 +12,7 @@
 // A redescending loss with an arrival cost can lock onto outliers and reject all that comes after. So at every step, after the solve,
 //   1. a new measurement that is rejected under a loss that is not convex is tried once more, from where it is right (the shortest move of
 //      its state that leaves it no residual); the cheaper answer stays.
-//   2. Where more than half of the latest `recent` robust measurements are rejected, the inliers no longer explain the data: the agent is
-//   in
+//   2. Where more than half of the latest `recent` robust measurements are rejected, the inliers no longer explain the data: the agent is in
 //      WindowStep::lost. Its latest `memory` states, those among them that have left the window, are then solved from nothing, without any
 //      arrival cost, by graduated non-convexity (solvers/gnc.hpp) with truncated squares at `rejected`. Where that costs less than what was
 //      believed, the window goes on from there, and the agent is in WindowStep::reacquired; what it knew of the agent before is forgotten.
@@ -29,7 +28,7 @@
 namespace holdfast {
 
 struct LockOptions {
-  int memory = 60;        ///< >= 2: states, of a re-acquisition
+  int memory = 60;        ///< >= 2: states before the newest one, of a re-acquisition
   int recent = 8;         ///< >= 1: measurements that are counted
   double rejected = 3.5;  ///< > 0 [sigmas]: of a residual
   int patience = 5;       ///< >= 1: states from one acquisition to the next
