@@ -12,10 +12,11 @@
 // A redescending loss with an arrival cost can lock onto outliers and reject all that comes after. So at every step, after the solve,
 //   1. a new measurement that is rejected under a loss that is not convex is tried once more, from where it is right (the shortest move of
 //      its state that leaves it no residual); the cheaper answer stays.
-//   2. Where more than half of the latest `recent` robust measurements are rejected, the inliers no longer explain the data: the agent is in
-//      WindowStep::lost. Its latest `memory` states, those among them that have left the window, are then solved from nothing, without any
-//      arrival cost, by graduated non-convexity (solvers/gnc.hpp) with truncated squares at `rejected`. Where that costs less than what was
-//      believed, the window goes on from there, and the agent is in WindowStep::reacquired; what it knew of the agent before is forgotten.
+//   2. Where more than half of the latest `recent` robust measurements are rejected, the inliers no longer explain the data: the agent
+//      is in WindowStep::lost. Its latest `memory` states, those among them that have left the window, are then solved from nothing,
+//      without any arrival cost, by graduated non-convexity (solvers/gnc.hpp) with truncated squares at `rejected`. Where that costs less
+//      than what was believed, the window goes on from there, and the agent is in WindowStep::reacquired; what it knew of the agent
+//      before is forgotten.
 // Rejected: ‖r‖ > `rejected`, whatever the loss. Robust: under any loss but Squared.
 //
 // A re-acquisition asks one agent alone. Landmarks in its measurements are held where they are believed, and what it measured of other
