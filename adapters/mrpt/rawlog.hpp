@@ -5,8 +5,7 @@
 // Pose x<k> is the robot's after its k-th action; beacons are b<id>, landmarks l<id>. Actions in the plane (CActionRobotMovement2D) make
 // Pose2, in space (CActionRobotMovement3D) Pose3; both in one file are an error, and without any action there is one pose in the plane.
 //   CObservationBeaconRanges   a RangeEdge a beacon, sigma = stdError; a range outside (minSensorDistance, maxSensorDistance] is dropped by
-//   the
-//                              sensor's own rule
+//                              the sensor's own rule
 //   CObservationBearingRange   a RelativePointEdge a landmark: the point in the robot's frame, its covariance by the Jacobian of the polar
 //                              coordinates (so bearings of a few degrees at most)
 // The mean and covariance of an action are the odometry. Whatever else the file holds is counted in Dataset::unknown by class, and so are

@@ -12,9 +12,8 @@ namespace holdfast {
 ///   newton  the second derivative of ½ρ(‖r‖²) with J held, w(ρ' JᵀJ + 2ρ'' (Jᵀr)(Jᵀr)ᵀ), cut off where it would turn negative
 ///   bound   w ρ'(0) JᵀJ, which no concave ρ exceeds
 ///   exact   newton with the factor's own hessian() in place of JᵀJ, where it has one (factor.hpp). Under a loss per component of a
-///   residual
-///           of several components newton: what each component bends by itself is not known. Positive semidefinite where the factors with
-///           a hessian() are convex; with others H may be indefinite, and whoever asks must damp it
+///           residual of several components newton: what each component bends by itself is not known. Positive semidefinite where
+///           the factors with a hessian() are convex; with others H may be indefinite, and whoever asks must damp it
 enum class Curvature { irls, newton, bound, exact };
 
 /// Newton's curvature is never less than this part of the IRLS one: keeps H positive definite on the flat part of a loss.
