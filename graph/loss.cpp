@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <holdfast/graph/error.hpp>
+#include <holdfast/graph/internal/digits.hpp>
 #include <holdfast/graph/loss.hpp>
 #include <limits>
 #include <map>
@@ -145,10 +146,7 @@ void Loss::validate(int residual_dim) const {
 std::string Loss::str() const {
   std::string text = kind == Kind::Own ? own->name() : name_of(kind);
   const double* threshold = kind == Kind::Own ? own->scale() : kind == Kind::Squared ? nullptr : &scale;
-  if (threshold != nullptr) {
-    char digits[32];  // the shortest that reads back as the same number
-    text += ':' + std::string(digits, std::to_chars(digits, digits + sizeof digits, *threshold).ptr);
-  }
+  if (threshold != nullptr) text.append(":").append(Digits(*threshold));
   if (per_component) text += ":component";
   if (one_sided) text += ":one_sided";
   return text;

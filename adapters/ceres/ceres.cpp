@@ -1,6 +1,7 @@
 #include <holdfast/adapters/ceres/ceres.hpp>
+#include <holdfast/solvers/ceres/internal/cost.hpp>
 #include <holdfast/solvers/ceres/internal/loss.hpp>
-#include <holdfast/solvers/detail/fold.hpp>
+#include <holdfast/solvers/ceres/internal/manifold.hpp>
 
 namespace holdfast {
 namespace {
@@ -8,53 +9,50 @@ namespace {
 using RowMajor = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 using ColMajor = Eigen::Map<const Eigen::MatrixXd>;
 
-/// Doubles on the stack where they fit.
-class Scratch {
+class TermCost final : public CeresCost {
  public:
-  explicit Scratch(int size) : large_(size > kStack ? static_cast<std::size_t>(size) : 0), next_(large_.empty() ? local_ : large_.data()) {}
-  double* take(int n) { return std::exchange(next_, next_ + n); }
-
- private:
-  static constexpr int kStack = 512;
-  double local_[kStack];
-  std::vector<double> large_;
-  double* next_;
-};
-
-class TermCost final : public ceres::CostFunction {
- public:
-  TermCost(const Term& term, const detail::Layouts& layouts, bool folded) : term_(term), layouts_(layouts), folded_(folded) {
-    set_num_residuals(term.residual_dim());
-    scratch_ = term.residual_dim() * term.total_dim();
+  TermCost(const Term& term, const detail::Layouts& layouts, bool folded)
+      : CeresCost(term.residual_dim(), term.total_dim(), folded), term_(term), layouts_(layouts) {
     for (const BlockLayout* layout : layouts_) {
       mutable_parameter_block_sizes()->insert(mutable_parameter_block_sizes()->end(), layout->blocks.begin(), layout->blocks.end());
-      scratch_ += layout->ambient + layout->size * (1 + layout->dim);
+      scratch_size_ += layout->ambient + layout->size * (2 + layout->dim);  // the variable; its memory gathered, twice; a Jacobian
     }
   }
 
-  bool Evaluate(const double* const* blocks, double* residuals, double** jacobians) const override {
-    const int m = term_.residual_dim();
-    Scratch scratch(scratch_);
-    std::vector<const double*> memory, variables;
-    memory.reserve(layouts_.size());
+ private:
+  int scratch_size() const override { return scratch_size_; }
+  void evaluate(const double* const* blocks, double* residuals, double* J, Scratch& scratch) const override {
+    std::vector<const double*> variables;
     variables.reserve(layouts_.size());
     for (const BlockLayout* layout : layouts_) {
-      memory.push_back(gathered(*layout, blocks, scratch));
       double* variable = scratch.take(layout->ambient);
-      layout->read(memory.back(), variable);
+      layout->read(gathered(*layout, blocks, scratch), variable);
       variables.push_back(variable);
       blocks += layout->blocks.size();
     }
-    double* J = jacobians == nullptr ? nullptr : scratch.take(m * term_.total_dim());
     term_.evaluate(variables.data(), residuals, J);
-    for (int c = 0; c < m; ++c)
-      if (!std::isfinite(residuals[c])) return false;
-    if (folded_) fold(term_.loss(), term_.weight(), m, term_.total_dim(), residuals, J);
-    if (J != nullptr) distribute(J, memory, jacobians, scratch);
-    return true;
   }
+  /// J with respect to the tangents, times d tangent / d memory, block by block.
+  void distribute(const double* J, const double* const* blocks, double** jacobians, Scratch& scratch) const override {
+    const int m = num_residuals();
+    for (const BlockLayout* layout : layouts_) {
+      double* M = scratch.take(layout->dim * layout->size);
+      layout->minus_jacobian(gathered(*layout, blocks, scratch), M);
+      int column = 0;
+      for (const int size : layout->blocks) {
+        if (*jacobians != nullptr)
+          RowMajor(*jacobians, m, size).noalias() =
+              ColMajor(J, m, layout->dim) * ColMajor(M, layout->dim, layout->size).middleCols(column, size);
+        column += size;
+        ++jacobians;
+      }
+      J += m * layout->dim;
+      blocks += layout->blocks.size();
+    }
+  }
+  const Loss& loss() const override { return term_.loss(); }
+  double weight() const override { return term_.weight(); }
 
- private:
   static const double* gathered(const BlockLayout& layout, const double* const* blocks, Scratch& scratch) {
     if (layout.blocks.size() == 1) return blocks[0];
     double* x = scratch.take(layout.size);
@@ -63,59 +61,23 @@ class TermCost final : public ceres::CostFunction {
     return x;
   }
 
-  /// J with respect to the tangents, times d tangent / d memory, block by block.
-  void distribute(const double* J, const std::vector<const double*>& memory, double** jacobians, Scratch& scratch) const {
-    const int m = term_.residual_dim();
-    for (std::size_t k = 0; k < layouts_.size(); ++k) {
-      const BlockLayout& layout = *layouts_[k];
-      double* M = scratch.take(layout.dim * layout.size);
-      layout.minus_jacobian(memory[k], M);
-      int column = 0;
-      for (const int size : layout.blocks) {
-        if (*jacobians != nullptr)
-          RowMajor(*jacobians, m, size).noalias() =
-              ColMajor(J, m, layout.dim) * ColMajor(M, layout.dim, layout.size).middleCols(column, size);
-        column += size;
-        ++jacobians;
-      }
-      J += m * layout.dim;
-    }
-  }
-
   Term term_;
   detail::Layouts layouts_;
-  bool folded_;
-  int scratch_;
+  int scratch_size_ = 0;
 };
 
-class LayoutManifold final : public ceres::Manifold {
+class LayoutGeometry {
  public:
-  explicit LayoutManifold(const BlockLayout& layout) : layout_(layout) {}
-  int AmbientSize() const override { return layout_.size; }
-  int TangentSize() const override { return layout_.dim; }
-  bool Plus(const double* x, const double* delta, double* out) const override {
-    layout_.plus(x, delta, out);
-    return true;
-  }
-  bool PlusJacobian(const double* x, double* jacobian) const override {
-    Eigen::MatrixXd P(layout_.size, layout_.dim);
-    layout_.plus_jacobian(x, P.data());
-    RowMajor(jacobian, P.rows(), P.cols()) = P;
-    return true;
-  }
-  bool Minus(const double* y, const double* x, double* delta) const override {
-    layout_.minus(y, x, delta);
-    return true;
-  }
-  bool MinusJacobian(const double* x, double* jacobian) const override {
-    Eigen::MatrixXd M(layout_.dim, layout_.size);
-    layout_.minus_jacobian(x, M.data());
-    RowMajor(jacobian, M.rows(), M.cols()) = M;
-    return true;
-  }
+  explicit LayoutGeometry(const BlockLayout& layout) : layout_(&layout) {}
+  int ambient() const { return layout_->size; }
+  int dim() const { return layout_->dim; }
+  void plus(const double* x, const double* delta, double* out) const { layout_->plus(x, delta, out); }
+  void minus(const double* y, const double* x, double* delta) const { layout_->minus(y, x, delta); }
+  void plus_jacobian(const double* x, double* P) const { layout_->plus_jacobian(x, P); }
+  void minus_jacobian(const double* x, double* M) const { layout_->minus_jacobian(x, M); }
 
  private:
-  const BlockLayout& layout_;
+  const BlockLayout* layout_;
 };
 
 bool needs_no_loss(const Loss& loss, double weight) { return loss.kind == Loss::Kind::Squared && weight == 1; }
@@ -162,7 +124,7 @@ ceres::Manifold* detail::ceres_manifold(const BlockLayout& layout) {
     fail<BadOption>("a variable in ", layout.blocks.size(),
                     " blocks has no manifold as a whole; put one on each block that is no vector space, "
                     "such as ceres::EigenQuaternionManifold on the quaternion");
-  return new LayoutManifold(layout);
+  return new CeresManifold<LayoutGeometry>(LayoutGeometry(layout));
 }
 
 }  // namespace holdfast

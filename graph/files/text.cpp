@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <holdfast/graph/files/internal/text.hpp>
+#include <holdfast/graph/internal/digits.hpp>
 #include <system_error>
 
 namespace holdfast::io {
@@ -59,10 +60,7 @@ std::string excerpt(std::string_view text) {
   return text.size() > kLongest ? shown + "..." : shown;
 }
 
-std::string to_text(double value) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
+std::string to_text(double value) { return std::string(Digits(value)); }
 
 void Line::assign(std::size_t number, std::string_view text) {
   number_ = number;
@@ -151,8 +149,7 @@ Text& Text::number(double value) {
   if (!std::isfinite(value))
     fail<BadFile>("cannot write '", excerpt(std::string_view(text_).substr(line_start_)), " ", to_text(value),
                   "': the number is not finite");
-  char buffer[32];
-  return word({buffer, static_cast<std::size_t>(std::to_chars(buffer, buffer + sizeof buffer, value).ptr - buffer)});
+  return word(Digits(value));
 }
 
 Text& Text::id(Key key) {

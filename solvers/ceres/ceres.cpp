@@ -1,8 +1,9 @@
 #include <ceres/ceres.h>
 
-#include <cmath>
 #include <holdfast/solvers/ceres/ceres.hpp>
+#include <holdfast/solvers/ceres/internal/cost.hpp>
 #include <holdfast/solvers/ceres/internal/loss.hpp>
+#include <holdfast/solvers/ceres/internal/manifold.hpp>
 #include <holdfast/solvers/detail/fold.hpp>
 #include <holdfast/solvers/internal/foreign_backend.hpp>
 
@@ -13,57 +14,33 @@ constexpr int kDenseUnknowns = 30;
 
 // A variable's memory is its ambient coordinates. Jacobians come with respect to the tangent, so the manifold pretends that the
 // first `dim` ambient columns are the tangent: [J 0] · [I; 0] = J, which spares two products a block.
-class VariableManifold final : public ceres::Manifold {
+class VariableGeometry {
  public:
-  explicit VariableManifold(const PoolBase& pool) : pool_(pool) {}
-  int AmbientSize() const override { return pool_.ambient(); }
-  int TangentSize() const override { return pool_.dim(); }
-  bool Plus(const double* x, const double* delta, double* out) const override {
-    pool_.retract_ambient(x, delta, out);
-    return true;
-  }
-  bool PlusJacobian(const double*, double* jacobian) const override {
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobian, AmbientSize(), TangentSize())
-        .setIdentity();
-    return true;
-  }
-  bool Minus(const double* y, const double* x, double* delta) const override {
-    pool_.local_ambient(x, y, delta);
-    return true;
-  }
-  bool MinusJacobian(const double*, double* jacobian) const override {
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(jacobian, TangentSize(), AmbientSize())
-        .setIdentity();
-    return true;
-  }
+  explicit VariableGeometry(const PoolBase& pool) : pool_(&pool) {}
+  int ambient() const { return pool_->ambient(); }
+  int dim() const { return pool_->dim(); }
+  void plus(const double* x, const double* delta, double* out) const { pool_->retract_ambient(x, delta, out); }
+  void minus(const double* y, const double* x, double* delta) const { pool_->local_ambient(x, y, delta); }
+  void plus_jacobian(const double*, double* P) const { Eigen::Map<Eigen::MatrixXd>(P, ambient(), dim()).setIdentity(); }
+  void minus_jacobian(const double*, double* M) const { Eigen::Map<Eigen::MatrixXd>(M, dim(), ambient()).setIdentity(); }
 
  private:
-  const PoolBase& pool_;
+  const PoolBase* pool_;
 };
 
-class FactorCost final : public ceres::CostFunction {
+class FactorCost final : public CeresCost {
  public:
-  FactorCost(const FactorBatch& batch, int i, const std::vector<int>& ambient, bool folded) : batch_(batch), i_(i), fold_(folded) {
+  FactorCost(const FactorBatch& batch, int i, const std::vector<int>& ambient, bool folded)
+      : CeresCost(batch.residual_dim(), batch.total_dim(), folded), batch_(batch), i_(i) {
     *mutable_parameter_block_sizes() = ambient;
-    set_num_residuals(batch.residual_dim());
-  }
-
-  bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
-    const int m = batch_.residual_dim();
-    constexpr int kStack = 256;
-    double local[kStack];
-    std::vector<double> large(m * batch_.total_dim() > kStack && jacobians != nullptr ? m * batch_.total_dim() : 0);
-    double* J = jacobians == nullptr ? nullptr : large.empty() ? local : large.data();
-    batch_.evaluate_at(i_, parameters, residuals, J);
-    for (int c = 0; c < m; ++c)
-      if (!std::isfinite(residuals[c])) return false;
-    if (fold_) fold(batch_.loss(i_), batch_.weight(i_), m, batch_.total_dim(), residuals, J);
-    if (J != nullptr) distribute(J, jacobians);
-    return true;
   }
 
  private:
-  void distribute(const double* J, double** jacobians) const {
+  int scratch_size() const override { return 0; }
+  void evaluate(const double* const* blocks, double* residuals, double* J, Scratch&) const override {
+    batch_.evaluate_at(i_, blocks, residuals, J);
+  }
+  void distribute(const double* J, const double* const*, double** jacobians, Scratch&) const override {
     const int m = batch_.residual_dim();
     for (int k = 0; k < batch_.arity(); ++k) {
       const int dim = batch_.dims()[k], ambient = parameter_block_sizes()[k];
@@ -73,10 +50,11 @@ class FactorCost final : public ceres::CostFunction {
       J += m * dim;
     }
   }
+  const Loss& loss() const override { return batch_.loss(i_); }
+  double weight() const override { return batch_.weight(i_); }
 
   const FactorBatch& batch_;
   int i_;
-  bool fold_;
 };
 
 // Hands each iteration to our progress callback.
@@ -111,7 +89,7 @@ void add_variables(const Resolved& resolved, Values& x, ceres::Problem& problem)
     PoolBase& pool = x.pool(v.pool);
     double* block = pool.data(v.index);
     problem.AddParameterBlock(block, pool.ambient());
-    if (pool.ambient() != pool.dim()) problem.SetManifold(block, new VariableManifold(pool));
+    if (pool.ambient() != pool.dim()) problem.SetManifold(block, new CeresManifold<VariableGeometry>(VariableGeometry(pool)));
     if (v.offset < 0) problem.SetParameterBlockConstant(block);
   }
 }

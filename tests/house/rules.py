@@ -69,7 +69,9 @@ MAY_LOOK_INSIDE = r"tests/(?!consumer/|consumer_parts/)|benchmarks/micro/"
 
 # Who else may include an internal header of another folder, and why.
 INTERNAL_FRIENDS = {
+    ("adapters/ceres/ceres.cpp", "solvers/ceres/internal/cost.hpp"): "both hand our residuals to Ceres, in one library",
     ("adapters/ceres/ceres.cpp", "solvers/ceres/internal/loss.hpp"): "both translate our losses to Ceres, in one library",
+    ("adapters/ceres/ceres.cpp", "solvers/ceres/internal/manifold.hpp"): "both hand our manifolds to Ceres, in one library",
     ("adapters/g2o/backend.cpp", "solvers/internal/foreign_backend.hpp"): "a back-end around another library's optimizer",
     ("adapters/gtsam/backend.cpp", "solvers/internal/foreign_backend.hpp"): "a back-end around another library's optimizer",
     ("benchmarks/suites/pose_graph.cpp", "solvers/linear/internal/symbolic.hpp"): "it prints the size of the factorisation",
