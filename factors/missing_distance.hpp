@@ -95,16 +95,15 @@ struct MissingDistance {
   }
 
   Vector<residual_dim> operator()(const A& a, const B& b, Jacobians<MissingDistance>* J = nullptr) const {
-    const RangeBall<A, B> ball{d_prev, std::hypot(sigma, rho)};
-    if (J == nullptr) return ball(a, b);
-    Jacobians<RangeBall<A, B>> of_ball;
-    const Vector<residual_dim> r = ball(a, b, &of_ball);
-    J->all = of_ball.all;
+    Matrix<residual_dim, residual_dim> D;
+    const Vector<residual_dim> r =
+        detail::range_ball<residual_dim>(displacement(a, b), d_prev, std::hypot(sigma, rho), J == nullptr ? nullptr : &D);
+    if (J != nullptr) set_displacement_jacobian(D, *J);
     return r;
   }
 
   Matrix<Variables::total_dim, Variables::total_dim> hessian(const A& a, const B& b) const {
-    return RangeBall<A, B>{d_prev, std::hypot(sigma, rho)}.hessian(a, b);
+    return displacement_hessian<A, B>(detail::range_ball_hessian<residual_dim>(displacement(a, b), d_prev, std::hypot(sigma, rho)));
   }
 
   /// The eliminated Ω: the most probable distance, given the positions [m].

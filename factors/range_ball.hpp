@@ -16,6 +16,30 @@
 
 namespace holdfast {
 
+namespace detail {
+
+/// The residual by x = p_b − p_a and, where D is given, its derivative by x.
+template <int N>
+Vector<N> range_ball(const Vector<N>& x, double distance, double sigma, Matrix<N, N>* D) {
+  const auto norm = safe_norm(x);
+  if (norm.value <= distance) {  // false for NaN, which so reaches the residual
+    if (D != nullptr) D->setZero();
+    return Vector<N>::Zero();
+  }
+  const double outside = 1 - distance / norm.value;  // of x, this part
+  if (D != nullptr) *D = (outside * Matrix<N, N>::Identity() + (1 - outside) * norm.gradient * norm.gradient.transpose()) / sigma;
+  return outside / sigma * x;
+}
+
+/// Its hessian() by x.
+template <int N>
+Matrix<N, N> range_ball_hessian(const Vector<N>& x, double distance, double sigma) {
+  if (safe_norm(x).value <= distance) return Matrix<N, N>::Zero();
+  return ball_hessian(x, distance) / (sigma * sigma);
+}
+
+}  // namespace detail
+
 template <class A, class B>
 struct RangeBall {
   double distance;  ///< [m]
@@ -28,24 +52,14 @@ struct RangeBall {
   static constexpr auto fields() { return std::tuple(field("distance", &RangeBall::distance), field("sigma", &RangeBall::sigma)); }
 
   Vector<residual_dim> operator()(const A& a, const B& b, Jacobians<RangeBall>* J = nullptr) const {
-    const Vector<residual_dim> x = displacement(a, b);
-    const auto norm = safe_norm(x);
-    if (norm.value <= distance) {  // false for NaN, which so reaches the residual
-      if (J != nullptr) J->all.setZero();
-      return Vector<residual_dim>::Zero();
-    }
-    const double outside = 1 - distance / norm.value;  // of x, this part
-    if (J != nullptr) {
-      using Square = Matrix<residual_dim, residual_dim>;
-      set_displacement_jacobian((outside * Square::Identity() + (1 - outside) * norm.gradient * norm.gradient.transpose()) / sigma, *J);
-    }
-    return outside / sigma * x;
+    Matrix<residual_dim, residual_dim> D;
+    const Vector<residual_dim> r = detail::range_ball<residual_dim>(displacement(a, b), distance, sigma, J == nullptr ? nullptr : &D);
+    if (J != nullptr) set_displacement_jacobian(D, *J);
+    return r;
   }
 
   Matrix<Variables::total_dim, Variables::total_dim> hessian(const A& a, const B& b) const {
-    const Vector<residual_dim> x = displacement(a, b);
-    if (safe_norm(x).value <= distance) return Matrix<Variables::total_dim, Variables::total_dim>::Zero();
-    return displacement_hessian<A, B>(ball_hessian(x, distance) / (sigma * sigma));
+    return displacement_hessian<A, B>(detail::range_ball_hessian<residual_dim>(displacement(a, b), distance, sigma));
   }
 
   Vector<residual_dim> raw(const Vector<residual_dim>& r) const { return sigma * r; }  ///< [m]

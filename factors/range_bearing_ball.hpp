@@ -15,8 +15,45 @@
 
 #include <holdfast/factors/detail/displacement.hpp>
 #include <holdfast/factors/detail/rules.hpp>
+#include <holdfast/factors/range_ball.hpp>
 
 namespace holdfast {
+
+namespace detail {
+
+/// The residual by x = p_b − p_a and, where D is given, its derivative by x.
+template <int N>
+Vector<2 * N> range_bearing_ball(const Vector<N>& x, double distance, double sigma, const Vector<N>& direction, double kappa,
+                                 Matrix<2 * N, N>* D) {
+  using Square = Matrix<N, N>;
+  const double root = std::sqrt(kappa);
+  const Vector<N> v = x + (sigma * sigma * kappa / distance) * direction;
+  const double length = v.norm();
+  const bool inside = length <= distance;
+  const Vector<N> y = inside ? v : Vector<N>(v * (distance / length));
+
+  Vector<2 * N> r;  // m until scaled by g
+  r.template head<N>() = (x - y) / sigma;
+  r.template tail<N>() = root * (direction - y / distance);
+  if (!inside) {
+    if (D != nullptr) {
+      const Square dy = (Square::Identity() - v * v.transpose() / (length * length)) * (distance / length);
+      D->template topRows<N>() = (Square::Identity() - dy) / sigma;
+      D->template bottomRows<N>() = -root / distance * dy;
+    }
+    return r;
+  }
+  const double m2 = r.squaredNorm();
+  const double g = std::sqrt(1 + kappa * (1 - (y / distance).squaredNorm()) / m2);
+  if (D != nullptr) {  // d(2c) = −2κ/d uᵀdx and d‖m‖² = −2κ/d (u − y/d)ᵀdx, hence dg = (d(2c) − g² d‖m‖²) / (2 g ‖m‖²)
+    const Vector<N> dg = -kappa / (distance * g * m2) * (direction - g * g * (direction - y / distance));
+    *D = r * dg.transpose();
+    D->template bottomRows<N>().diagonal().array() -= g * root / distance;
+  }
+  return g * r;
+}
+
+}  // namespace detail
 
 template <class A, class B>
 struct RangeBearingBall {
@@ -37,42 +74,16 @@ struct RangeBearingBall {
   }
 
   Vector<residual_dim> operator()(const A& a, const B& b, Jacobians<RangeBearingBall>* J = nullptr) const {
-    using Square = Matrix<space, space>;
-    const double root = std::sqrt(kappa);
-    const Direction x = displacement(a, b);
-    const Direction v = x + (sigma * sigma * kappa / distance) * direction;
-    const double length = v.norm();
-    const bool inside = length <= distance;
-    const Direction y = inside ? v : Direction(v * (distance / length));
-
-    Vector<residual_dim> r;  // m until scaled by g
-    r.template head<space>() = (x - y) / sigma;
-    r.template tail<space>() = root * (direction - y / distance);
-    if (!inside) {
-      if (J != nullptr) {
-        const Square dy = (Square::Identity() - v * v.transpose() / (length * length)) * (distance / length);
-        Matrix<residual_dim, space> D;
-        D.template topRows<space>() = (Square::Identity() - dy) / sigma;
-        D.template bottomRows<space>() = -root / distance * dy;
-        set_displacement_jacobian(D, *J);
-      }
-      return r;
-    }
-    const double m2 = r.squaredNorm();
-    const double g = std::sqrt(1 + kappa * (1 - (y / distance).squaredNorm()) / m2);
-    if (J != nullptr) {  // d(2c) = −2κ/d uᵀdx and d‖m‖² = −2κ/d (u − y/d)ᵀdx, hence dg = (d(2c) − g² d‖m‖²) / (2 g ‖m‖²)
-      const Direction dg = -kappa / (distance * g * m2) * (direction - g * g * (direction - y / distance));
-      Matrix<residual_dim, space> D = r * dg.transpose();
-      D.template bottomRows<space>().diagonal().array() -= g * root / distance;
-      set_displacement_jacobian(D, *J);
-    }
-    return g * r;
+    Matrix<residual_dim, space> D;
+    const Vector<residual_dim> r =
+        detail::range_bearing_ball<space>(displacement(a, b), distance, sigma, direction, kappa, J == nullptr ? nullptr : &D);
+    if (J != nullptr) set_displacement_jacobian(D, *J);
+    return r;
   }
 
   Matrix<Variables::total_dim, Variables::total_dim> hessian(const A& a, const B& b) const {
     const Direction v = displacement(a, b) + (sigma * sigma * kappa / distance) * direction;
-    if (v.norm() <= distance) return Matrix<Variables::total_dim, Variables::total_dim>::Zero();
-    return displacement_hessian<A, B>(ball_hessian(v, distance) / (sigma * sigma));
+    return displacement_hessian<A, B>(detail::range_ball_hessian<space>(v, distance, sigma));
   }
 
   void validate() const {

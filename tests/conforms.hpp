@@ -35,7 +35,7 @@ using Concat = decltype(std::tuple_cat(std::declval<Lists>()...));
 template <template <class, class> class F>
 using OnPairs = std::tuple<F<Point2, Point2>, F<Motion2, Motion2>, F<Pose2, Pose2>, F<Pose2, Point2>, F<Point3, Point3>, F<Accel3, Motion3>,
                            F<Pose3, Pose3>, F<Pose3, Point3>>;
-/// The same where every pair was run with the parts that F is made of.
+/// Two of them, where F is made of what was run on every pair: how a displacement reaches the tangents (factors/detail/displacement.hpp).
 template <template <class, class> class F>
 using OnSomePairs = std::tuple<F<Pose2, Point2>, F<Accel3, Motion3>>;
 /// F on a pose and whatever has a position.
@@ -111,16 +111,27 @@ struct RandomVariables {
 
 // ---- random factors
 
-/// An information matrix. One of four says nothing of its first component, one of four nothing of a direction between all of them.
-template <int N>
-Matrix<N, N> random_information(std::mt19937_64& rng) {
-  Matrix<N, N> I = random_covariance<N>(rng);
-  const Vector<N> silent = random_unit<N>(rng);
-  const Matrix<N, N> others = Matrix<N, N>::Identity() - silent * silent.transpose();
+namespace detail {
+
+inline Eigen::MatrixXd random_information(int n, std::mt19937_64& rng) {
+  Eigen::MatrixXd I = random_covariance(n, rng, 0.1);
+  Eigen::VectorXd silent(n);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < n; ++i) silent[i] = normal(rng);
+  silent.normalize();
+  const Eigen::MatrixXd others = Eigen::MatrixXd::Identity(n, n) - silent * silent.transpose();
   const double kind = uniform(rng, 0, 1);
   if (kind < 0.25) I.row(0).setZero(), I.col(0).setZero();
   if (kind > 0.75) I = others * I * others;
   return 0.5 * (I + I.transpose());
+}
+
+}  // namespace detail
+
+/// An information matrix. One of four says nothing of its first component, one of four nothing of a direction between all of them.
+template <int N>
+Matrix<N, N> random_information(std::mt19937_64& rng) {
+  return detail::random_information(N, rng);
 }
 
 namespace detail {
@@ -143,7 +154,7 @@ void draw_field(T& field, std::mt19937_64& rng) {
     if constexpr (cols == 1)
       field = random_unit<rows>(rng);
     else if constexpr (rows == cols)
-      field = Eigen::LLT<T>(random_covariance<rows>(rng)).matrixU();
+      field = Eigen::LLT<Eigen::MatrixXd>(random_covariance(rows, rng, 0.1)).matrixU();
     else
       for (int c = 0; c < cols; ++c) field.col(c) = random_vector<rows>(rng);
   } else if constexpr (!std::is_enum_v<T>) {  // an enum stays as it is

@@ -2,6 +2,8 @@
 // where there is one optimum only, everybody finds it.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #ifdef HOLDFAST_WITH_CERES
 #include <holdfast/solvers/ceres/ceres.hpp>
 #endif
@@ -51,10 +53,11 @@ Expected evaluated_by_hand(const Draw& draw, const Values& at, const Graph& grap
 }
 
 void expect_close(const Expected& expected, double cost, const std::vector<double>& gradient, const char* who) {
-  EXPECT_NEAR(cost, expected.cost, 1e-10 * expected.cost) << who;
+  constexpr double kLeast = std::numeric_limits<double>::min();  // smaller numbers have fewer digits
+  EXPECT_NEAR(cost, expected.cost, 1e-10 * expected.cost + kLeast) << who;
   ASSERT_EQ(gradient.size(), expected.gradient.size()) << who;
   for (std::size_t i = 0; i < gradient.size(); ++i)
-    EXPECT_NEAR(gradient[i], expected.gradient[i], 1e-10 * expected.scale) << who << " " << i;
+    EXPECT_NEAR(gradient[i], expected.gradient[i], 1e-10 * expected.scale + kLeast) << who << " " << i;
 }
 
 void expect_same_cost_and_gradient(const Draw& draw, const Values& at, const Loss& loss, bool fix_first) {

@@ -30,12 +30,24 @@ Vector<N> random_unit(std::mt19937_64& rng) {
   return random_vector<N>(rng).normalized();
 }
 
+namespace detail {
+
+// Of run-time size: Eigen's products of fixed size cost the compiler a second each.
+inline Eigen::MatrixXd random_covariance(int n, std::mt19937_64& rng, double floor) {
+  Eigen::MatrixXd A(n, n);
+  for (int column = 0; column < n; ++column) {
+    std::normal_distribution<double> normal;
+    for (int row = 0; row < n; ++row) A(row, column) = 0.5 * normal(rng);
+  }
+  return A * A.transpose() + floor * Eigen::MatrixXd::Identity(n, n);
+}
+
+}  // namespace detail
+
 /// Symmetric, eigenvalues at least `floor`.
 template <int N>
 Matrix<N, N> random_covariance(std::mt19937_64& rng, double floor = 0.1) {
-  Matrix<N, N> A;
-  for (int i = 0; i < N; ++i) A.col(i) = random_vector<N>(rng, 0.5);
-  return A * A.transpose() + floor * Matrix<N, N>::Identity();
+  return detail::random_covariance(N, rng, floor);
 }
 
 /// Some metres from the origin, turned anyhow.

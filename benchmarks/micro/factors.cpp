@@ -26,13 +26,13 @@ namespace {
 
 using namespace testing;  // the lists of types
 
-using Timed = Flat<HuberMeasurement<Point2>, HuberMeasurement<Motion2>, HuberMeasurement<Accel2>, HuberMeasurement<Point3>,
-                   HuberMeasurement<Motion3>, HuberMeasurement<Motion2, 4>, HuberMeasurementEdge<Motion2, Motion2>,
-                   HuberMeasurementEdge<Point2, Motion2>, HuberMeasurementEdge<Point3, Motion3>, WhiteAcceleration<Motion2>,
-                   WhiteAcceleration<Motion3>, WhiteJerk<Accel2>, WhiteJerk<Accel3>, ConstantTurn<Motion2>, CoordinatedTurn,
-                   MissingDistancePrior, OnPairs<Range>, OnPairs<RangeBall>, OnPairs<RangeBearingBall>, OnPairs<MissingDistance>,
-                   OnPairs<MissingDistanceBall>, OnPairs<VonMisesBearing>, OnPoses<VonMisesBearingBody>, OnPoses<RelativePoint>,
-                   OnPairs<PositionStep>, OnSomePairs<RangeBearing>, OnSomePairs<BearingRay>, OnAll<Prior>, OnAll<Between>>;
+using Timed =
+    Flat<HuberMeasurement<Point2>, HuberMeasurement<Motion2>, HuberMeasurement<Motion3>, HuberMeasurement<Motion2, 4>,
+         HuberMeasurementEdge<Motion2, Motion2>, HuberMeasurementEdge<Point3, Motion3>, WhiteAcceleration<Motion2>,
+         WhiteAcceleration<Motion3>, WhiteJerk<Accel2>, WhiteJerk<Accel3>, ConstantTurn<Motion2>, CoordinatedTurn, MissingDistancePrior,
+         OnPairs<Range>, OnSomePairs<RangeBall>, OnSomePairs<RangeBearingBall>, OnSomePairs<MissingDistance>,
+         OnSomePairs<MissingDistanceBall>, OnSomePairs<VonMisesBearing>, OnPoses<VonMisesBearingBody>, OnPoses<RelativePoint>,
+         OnSomePairs<PositionStep>, OnSomePairs<RangeBearing>, OnSomePairs<BearingRay>, OnAll<Prior>, OnAll<Between>>;
 
 template <class... V>
 std::string names(variables<V...>*) {

@@ -26,14 +26,30 @@ SafeNorm<N> safe_norm(const Vector<N>& x) {
   return {norm, x / norm};
 }
 
+namespace detail {
+
+/// out = sign D P, column by column: D is M × N (d r / d x), P is N × K (d position / d tangent). Loops, because Eigen's products of small
+/// matrices cost the compiler a second for every pair of variables.
+template <int M, int N, int K>
+void carry_to_tangent(const Matrix<M, N>& D, const Matrix<N, K>& P, double sign, double* out) {
+  for (int column = 0; column < K; ++column)
+    for (int row = 0; row < M; ++row) {
+      double sum = 0;
+      for (int i = 0; i < N; ++i) sum += D(row, i) * P(i, column);
+      *out++ = sign * sum;
+    }
+}
+
+}  // namespace detail
+
 /// D = d r / d x with x = p_b − p_a, carried to the tangents of a (variable 0) and b (variable 1).
-template <class F, class Derived>
-void set_displacement_jacobian(const Eigen::MatrixBase<Derived>& D, Jacobians<F>& J) {
+template <class F>
+void set_displacement_jacobian(const Matrix<F::residual_dim, space_dim<typename F::Variables::template type<0>>>& D, Jacobians<F>& J) {
   using A = typename F::Variables::template type<0>;
   using B = typename F::Variables::template type<1>;
-  const Matrix<Derived::RowsAtCompileTime, Derived::ColsAtCompileTime> d = D;
-  J.template wrt<0>().noalias() = -d * A::position_jacobian();
-  J.template wrt<1>().noalias() = d * B::position_jacobian();
+  constexpr int M = F::residual_dim, N = space_dim<A>;
+  detail::carry_to_tangent<M, N, A::dim>(D, A::position_jacobian(), -1, J.all.data());
+  detail::carry_to_tangent<M, N, B::dim>(D, B::position_jacobian(), 1, J.all.data() + M * A::dim);
 }
 
 /// The Hessian by x of ½ (‖x‖ − radius)²: (1 − radius/n) I + (radius/n) u uᵀ with n = ‖x‖ and u = x/n. Outside the ball of this radius it
@@ -48,9 +64,15 @@ Matrix<N, N> ball_hessian(const Vector<N>& x, double radius) {
 /// D = d² f / d x², x = p_b − p_a, carried to the tangents of a and b. Exact: positions are linear in their tangents.
 template <class A, class B>
 Matrix<A::dim + B::dim, A::dim + B::dim> displacement_hessian(const Matrix<space_dim<A>, space_dim<A>>& D) {
-  Matrix<space_dim<A>, A::dim + B::dim> C;
-  C << -A::position_jacobian(), B::position_jacobian();
-  return C.transpose() * D * C;
+  constexpr int N = space_dim<A>, dim = A::dim + B::dim;
+  Matrix<N, dim> C;
+  detail::carry_to_tangent<N, N, A::dim>(Matrix<N, N>::Identity(), A::position_jacobian(), -1, C.data());
+  detail::carry_to_tangent<N, N, B::dim>(Matrix<N, N>::Identity(), B::position_jacobian(), 1, C.data() + N * A::dim);
+  Matrix<N, dim> DC;
+  detail::carry_to_tangent<N, N, dim>(D, C, 1, DC.data());
+  Matrix<dim, dim> H;
+  detail::carry_to_tangent<dim, N, dim>(C.transpose(), DC, 1, H.data());
+  return H;
 }
 
 }  // namespace holdfast

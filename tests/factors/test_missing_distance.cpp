@@ -98,4 +98,4 @@ struct Sample<MissingDistanceBall<A, B>> : RandomVariables<MissingDistanceBall<A
 
 }  // namespace holdfast::testing
 
-HOLDFAST_CONFORMS(MissingDistancePrior, OnPairs<MissingDistance>, OnPairs<MissingDistanceBall>);
+HOLDFAST_CONFORMS(MissingDistancePrior, OnSomePairs<MissingDistance>, OnSomePairs<MissingDistanceBall>);

@@ -37,4 +37,4 @@ TEST(PositionStep, RawIsTheStepInMetres) {
 }  // namespace
 }  // namespace holdfast
 
-HOLDFAST_CONFORMS(OnPairs<PositionStep>);
+HOLDFAST_CONFORMS(OnSomePairs<PositionStep>);

@@ -137,4 +137,4 @@ struct Sample<RangeBearingBall<A, B>> : RandomVariables<RangeBearingBall<A, B>> 
 
 }  // namespace holdfast::testing
 
-HOLDFAST_CONFORMS(OnPairs<RangeBearingBall>);
+HOLDFAST_CONFORMS(OnSomePairs<RangeBearingBall>);

@@ -89,4 +89,4 @@ struct Sample<VonMisesBearingBody<P, B>> : RandomVariables<VonMisesBearingBody<P
 
 }  // namespace holdfast::testing
 
-HOLDFAST_CONFORMS(OnPairs<VonMisesBearing>, OnPoses<VonMisesBearingBody>);
+HOLDFAST_CONFORMS(OnSomePairs<VonMisesBearing>, OnPoses<VonMisesBearingBody>);
