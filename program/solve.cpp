@@ -6,6 +6,7 @@
 #include <holdfast/graph/files/atomic.hpp>
 #include <holdfast/graph/files/tum.hpp>
 #include <holdfast/program/program.hpp>
+#include <holdfast/solvers/certificate.hpp>
 #include <set>
 
 namespace holdfast::program {
@@ -30,6 +31,8 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
   command->add_option("--time-limit", arguments.time_limit, "seconds a solve; 0: none")->capture_default_str();
   command->add_option("--seed", arguments.seed, "of the landmarks' start under --start odometry")->capture_default_str();
   command->add_option("--json", arguments.json, "write one JSON object a run, one a line");
+  command->add_flag("--certify", arguments.certify,
+                    "lower bound, gap and verdict for each answer: is it the global minimum? (squared pose graphs; loose for ranges)");
   command->add_option("--tum", arguments.tum, "write the trajectories to DIR/<file>_<back-end>/<agent>.tum");
   return command;
 }
@@ -108,6 +111,7 @@ class Solver {
     log(file + ": " + std::to_string(problem.instance.start.size()) + " variables, " + std::to_string(problem.instance.graph.size()) +
         " factors");
     std::vector<Json> runs;
+    certificates_.clear();
     for (const std::string& backend : plan_.backends) {
       bar_.begin(file + " " + backend);
       Task task{file, plan_.problem.loss.str(), arguments_.start, backend, arguments_.seed, plan_.options};
@@ -117,6 +121,7 @@ class Solver {
       log(file + " " + backend + ": " + run.summary.str());
       if (!run.summary.usable()) all_is_well_ = false;
       runs.push_back(to_json(run));
+      if (arguments_.certify && run.summary.usable()) certify_answer(problem.instance.graph, answer, runs.back());
       bar_.done_with_one();
       if (run.summary.usable() && !arguments_.tum.empty())
         write_tum_directory((fs::path(arguments_.tum) / (stem + "_" + backend)).string(), answer, problem.times);
@@ -124,6 +129,15 @@ class Solver {
     bar_.clear();
     print(file, problem, runs);
     lines_.insert(lines_.end(), runs.begin(), runs.end());
+  }
+
+  void certify_answer(const Graph& graph, const Values& answer, Json& run) {
+    const Certificate certificate = certify(graph, answer);
+    run["certificate"] = to_string(certificate.verdict);
+    run["bound"] = certificate.bound;
+    run["gap"] = certificate.gap();
+    run["seconds_certificate"] = certificate.seconds;
+    certificates_.push_back("certificate, " + run["backend"].get<std::string>() + ": " + certificate.str());
   }
 
   void print(const std::string& file, const FileProblem& problem, const std::vector<Json>& runs) {
@@ -135,6 +149,7 @@ class Solver {
     if (!problem.start.empty()) terminal_.out << "start: " << problem.start << '\n';
     print_solve(terminal_.out, runs);
     print_differences(terminal_.out, runs);
+    for (const std::string& certificate : certificates_) terminal_.out << certificate << '\n';
     terminal_.out << std::endl;
   }
 
@@ -154,6 +169,7 @@ class Solver {
   Terminal& terminal_;
   ProgressBar bar_;
   std::vector<Json> lines_;
+  std::vector<std::string> certificates_;  ///< of the file at hand
   bool all_is_well_ = true;
 };
 

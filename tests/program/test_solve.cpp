@@ -72,6 +72,20 @@ TEST_F(Solve, StartsFromNothing) {
   EXPECT_THAT(poses.out, HasSubstr("at the centroid; partly relaxed problem"));
 }
 
+TEST_F(Solve, CertifiesASquareAndNotRanges) {
+  const std::string json = at("runs.jsonl");
+  const Outcome square = holdfast_program(
+      {"solve", write("square.g2o", small_g2o()), "--backend", "irls", "--certify", "--json", json, "--tolerance", "1e-12"});
+  EXPECT_EQ(square.code, kDone) << square.err;
+  for (const char* text : {"certificate, irls: global minimum", "bound", "gap"}) EXPECT_THAT(square.out, HasSubstr(text));
+  const auto line = lines_of(json).at(0);
+  EXPECT_EQ(line["certificate"], "global minimum");
+  EXPECT_NEAR(line["bound"], line["cost"], 1e-7 * line["cost"].get<double>());
+  const Outcome ranges = holdfast_program({"solve", write("two.pyfg", small_pyfg()), "--backend", "irls", "--certify"});
+  EXPECT_THAT(ranges.out, HasSubstr("not certified"));
+  EXPECT_THAT(ranges.out, HasSubstr("count as 0 in the bound"));
+}
+
 TEST_F(Solve, KnowsNoTruthInG2o) {
   const std::string json = at("runs.jsonl");
   EXPECT_EQ(holdfast_program({"solve", write("square.g2o", small_g2o()), "--backend", "irls", "--json", json}).code, kDone);
