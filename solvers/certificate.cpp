@@ -267,8 +267,31 @@ class PosePart {
 
   /// Adds the chordal cost, its bound and the way there; false where the bound is not tight.
   bool ask_chordal(Certificate& certificate) {
+    const Chordal chordal = chordal_minimum(detail::chordal_form<Pose>, certificate);
+    certificate.chordal_cost += chordal.cost;
+    certificate.chordal_bound += chordal.bound;
+    for (std::size_t i = 0; i < tied_.poses.size(); ++i) {
+      const Vector<Pose::dim> way = tied_.poses[i].local(chordal.poses[i]);
+      certificate.chordal_move = std::max(certificate.chordal_move, way.template head<Pose::space_dim>().norm());
+      certificate.chordal_turn = std::max(certificate.chordal_turn, way.template tail<Pose::dim - Pose::space_dim>().norm());
+    }
+    return chordal.is_definite;
+  }
+  /// A bound of the graph's own cost by the chordal cost below it.
+  double bound_by_chordal(Certificate& certificate) { return chordal_minimum(detail::chordal_form_below<Pose>, certificate).bound; }
+
+ private:
+  struct Chordal {
+    double cost, bound;
+    bool is_definite;
+    std::vector<Pose> poses;
+  };
+  using Form = PoseMinorant<Pose> (*)(const MeasuredPose<Pose>&, double);
+
+  /// Of a chordal cost, the minimum that Newton's method finds from the answer, and whether it is the lowest.
+  Chordal chordal_minimum(Form form, Certificate& certificate) {
     typename Quadratic<Pose>::Minorants forms;
-    for (const auto& edge : tied_.edges) forms.push_back(detail::chordal_form<Pose>(edge.measured, edge.weight));
+    for (const auto& edge : tied_.edges) forms.push_back(form(edge.measured, edge.weight));
     Quadratic<Pose> chordal(tied_);
     std::vector<Pose> poses = tied_.poses;
     chordal.set(forms, poses);
@@ -276,17 +299,9 @@ class PosePart {
     const bool definite = chordal.factor(0);
     const double bound = definite ? std::max(0.0, chordal.value() - chordal.decrease()) : 0.0;
     certificate.factorizations += chordal.factorizations();
-    certificate.chordal_cost += chordal.value();
-    certificate.chordal_bound += bound;
-    for (std::size_t i = 0; i < poses.size(); ++i) {
-      const Vector<Pose::dim> way = tied_.poses[i].local(poses[i]);
-      certificate.chordal_move = std::max(certificate.chordal_move, way.template head<Pose::space_dim>().norm());
-      certificate.chordal_turn = std::max(certificate.chordal_turn, way.template tail<Pose::dim - Pose::space_dim>().norm());
-    }
-    return definite;
+    return {chordal.value(), bound, definite, std::move(poses)};
   }
 
- private:
   static void polish(Quadratic<Pose>& chordal, const typename Quadratic<Pose>::Minorants& forms, std::vector<Pose>& poses) {
     constexpr double kFlat = 1e-15;  // of the cost
     double damping = 0;
@@ -313,6 +328,11 @@ template <class... Parts>
 bool ask_chordal(Certificate& certificate, Parts&... parts) {
   certificate.chordal_cost = certificate.chordal_bound = certificate.chordal_move = certificate.chordal_turn = 0;
   return ((parts.is_empty() || parts.ask_chordal(certificate)) & ...);
+}
+
+template <class... Parts>
+double bound_by_chordal(Certificate& certificate, Parts&... parts) {
+  return (0.0 + ... + (parts.is_empty() ? 0.0 : parts.bound_by_chordal(certificate)));
 }
 
 bool is_tight(double cost, double bound, double tolerance) { return cost - bound <= std::max(tolerance * cost, kSmallCost); }
@@ -385,9 +405,10 @@ Certificate certify(const Graph& graph, const Values& values, const CertificateO
   certificate.bound = std::min(certificate.bound, certificate.cost);  // rounding
   if (is_tight(certificate.cost, certificate.bound, options.tolerance)) {
     certificate.verdict = Certificate::Verdict::global_minimum;
-  } else if (options.ask_chordal && certificate.terms > 0 && !certificate.positive_definite) {
+  } else if (options.ask_chordal && certificate.left_out == 0 && !certificate.positive_definite) {
+    certificate.bound = std::max(certificate.bound, bound_by_chordal(certificate, flat, spatial));
     const bool definite = ask_chordal(certificate, flat, spatial);
-    if (definite && certificate.left_out == 0 && certificate.chordal_turn <= kSameBasin &&
+    if (definite && certificate.chordal_turn <= kSameBasin &&
         is_tight(certificate.chordal_cost, certificate.chordal_bound, options.tolerance))
       certificate.verdict = Certificate::Verdict::chordal_minimum;
   }

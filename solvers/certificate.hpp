@@ -15,7 +15,7 @@
 //
 //   Λ_i = sym((Q X)_i R_i),     S = Q − diag(Λ),     E = S X       (E = 0 at a critical point)
 //
-// For any other values Z let W = Z − X, zero at the poses that are held (fixed; where none is, one pose of each connected part, since
+// For any other values Z let W = Z − X, zero at the poses that are held (fixed; where none is, one pose of each connected part, as
 // moving all of it costs nothing). Then m(Z) = m(X) + ⟨W, E⟩ + ½⟨W, S W⟩ exactly, so with S positive definite on what is free
 //
 //   f(Z) ≥ m(Z) ≥ m(X) − ½⟨E, S⁻¹E⟩        for all Z
@@ -24,7 +24,8 @@
 // It is holdfast's own cost that is bounded, geodesic and with full information matrices; no conversion, no polish.
 //
 // Where S is not positive definite the answer may still be the minimum: the multipliers do not show it. The bound is then
-// m(X) − ½⟨E, S_η⁻¹E⟩ − 4 η (poses), S_η = S + η on the rotations, with the least η that serves (some inverse iterations and factorisations).
+// m(X) − ½⟨E, S_η⁻¹E⟩ − 4 η (poses), S_η = S + η on rotations, with the least η that serves (inverse iterations and factorisations).
+// A chordal cost with weights small enough to lie below every term gives another bound, and the higher of the two is it.
 // And the classical question is asked, too: every information matrix becomes diag(τI, κI) (harmonic means of the eigenvalues of
 // its blocks; cross blocks are dropped), 1 − cos θ takes the place of ½θ² (the chordal cost), a few Newton steps go from the answer to
 // the minimum of that, and the same test is made there. Its yes, Verdict::chordal_minimum, certifies that other cost and says how far its
@@ -41,7 +42,7 @@ namespace holdfast {
 
 struct CertificateOptions {
   double tolerance = 1e-7;     ///< > 0: the gap, relative to the cost, of a certified minimum
-  bool ask_chordal = true;     ///< where the graph's own cost could not be certified
+  bool ask_chordal = true;     ///< where the graph's own cost could not be certified and no term was left out
   bool ask_relaxation = true;  ///< where the relaxation is convex
 
   /// Throws BadOption with field, value and rule.

@@ -188,6 +188,16 @@ PoseMinorant<Pose> chordal_form(const MeasuredPose<Pose>& measured, double weigh
 }
 
 template <class Pose>
+PoseMinorant<Pose> chordal_form_below(const MeasuredPose<Pose>& measured, double weight) {
+  using B = Builder<Pose>;
+  const double part = weight * uncorrelated<B::N, B::n>(measured.information);
+  B builder(measured.pose);
+  builder.add_distance(std::max(0.0, part * least_eigenvalue<B::n>(measured.information.template topLeftCorner<B::n, B::n>())));
+  builder.add_chord(std::max(0.0, part * least_eigenvalue<B::m>(measured.information.template bottomRightCorner<B::m, B::m>())));
+  return builder.form();
+}
+
+template <class Pose>
 bool is_isotropic(const Matrix<Pose::dim, Pose::dim>& information) {
   constexpr int n = Pose::space_dim, m = Pose::dim - n;
   Matrix<Pose::dim, Pose::dim> isotropic = Matrix<Pose::dim, Pose::dim>::Zero();
@@ -200,6 +210,8 @@ template PoseMinorant<Pose2> minorant_at(const MeasuredPose<Pose2>&, double, con
 template PoseMinorant<Pose3> minorant_at(const MeasuredPose<Pose3>&, double, const Pose3&, const Pose3&);
 template PoseMinorant<Pose2> chordal_form(const MeasuredPose<Pose2>&, double);
 template PoseMinorant<Pose3> chordal_form(const MeasuredPose<Pose3>&, double);
+template PoseMinorant<Pose2> chordal_form_below(const MeasuredPose<Pose2>&, double);
+template PoseMinorant<Pose3> chordal_form_below(const MeasuredPose<Pose3>&, double);
 template bool is_isotropic<Pose2>(const Matrix<3, 3>&);
 template bool is_isotropic<Pose3>(const Matrix<6, 6>&);
 

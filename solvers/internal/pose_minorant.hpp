@@ -4,9 +4,9 @@
 // ‖y‖² and ⟨G, y⟩ are quadratic in the rows of a and b, and E is bilinear in them. The cost of the edge is ½ eᵀΛe with
 // e = (R_zᵀ y, φ), φ = Log E. At the values at hand (index 0) it is replaced, from below, by
 //
-//   joint     ½eᵀΛe ≥ ½eᵀDe + ⟨(Λ − D)e₀, e⟩ − ½e₀ᵀ(Λ − D)e₀     D = (1 − ρ) diag(λ_min(Λ_tt) I, Λ_rr) ≤ Λ, ρ: the canonical correlation
+//   joint     ½eᵀΛe ≥ ½eᵀDe + ⟨(Λ − D)e₀, e⟩ − ½e₀ᵀ(Λ − D)e₀     D = (1 − ρ) diag(λ_min(Λ_tt) I, Λ_rr) ≤ Λ, ρ: canonical correlation
 //   rotation  ½κθ² ≥ ½κθ₀² + κ (θ₀ / sin θ₀)(cos θ₀ − cos θ)        θ² is a convex function of 1 − cos θ; of Λ_rr the part κ = λ_min
-//             ½φᵀΩφ = tr A(I − E) + ψ(φ), A = ½ tr(Ω) I − Ω          the rest Ω = Λ_rr − κI (space only); ψ(φ) = φᵀΩφ (½ − (1 − cos θ)/θ²) ≥ 0
+//             ½φᵀΩφ = tr A(I − E) + ψ(φ), A = ½ tr(Ω) I − Ω          rest Ω = Λ_rr − κI (in space); ψ(φ) = φᵀΩφ (½ − (1 − cos θ)/θ²)
 //             ψ(φ) ≥ ψ₀ + ⟨v, δ⟩ sin|δ|/|δ| − a (1 − cos|δ|)          Exp δ = E₀ᵀE, v the gradient, a = 0.016 θ₀²(1 + θ₀²) tr Ω
 //             ⟨g, φ⟩ ≥ ⟨g, φ₀⟩ + ⟨v, δ⟩ sin|δ|/|δ| − c|g| (1 − cos|δ|)  c = 1.05 (x − sin x)/(1 − cos x), x = π + θ₀
 //
@@ -47,6 +47,10 @@ PoseMinorant<Pose> minorant_at(const MeasuredPose<Pose>& measured, double weight
 /// diagonal blocks (SE-Sync's).
 template <class Pose>
 PoseMinorant<Pose> chordal_form(const MeasuredPose<Pose>& measured, double weight);
+
+/// The same with weights so small that it lies below ½eᵀΛe everywhere: (1 − ρ) λ_min of the two blocks. Touches it where e = 0.
+template <class Pose>
+PoseMinorant<Pose> chordal_form_below(const MeasuredPose<Pose>& measured, double weight);
 
 /// Whether the information is diag(τI, κI) to 1e-9 of its largest entry.
 template <class Pose>
