@@ -34,6 +34,7 @@ struct SolveArguments {
   unsigned seed = 0;
   std::string json;
   std::string tum;
+  bool pcm = false;
   bool certify = false;
 };
 CLI::App* add_solve(CLI::App& app, SolveArguments& arguments);

@@ -7,6 +7,7 @@
 #include <holdfast/graph/files/tum.hpp>
 #include <holdfast/program/program.hpp>
 #include <holdfast/solvers/certificate.hpp>
+#include <holdfast/solvers/pairwise_consistency.hpp>
 #include <holdfast/solvers/table.hpp>
 #include <set>
 
@@ -32,6 +33,8 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
   command->add_option("--time-limit", arguments.time_limit, "seconds a solve; 0: none")->capture_default_str();
   command->add_option("--seed", arguments.seed, "of the landmarks' start under --start odometry")->capture_default_str();
   command->add_option("--json", arguments.json, "write one JSON object a run, one a line");
+  command->add_flag("--pcm", arguments.pcm,
+                    "leave out loop closures that disagree with most others before solving (pairwise consistency, maximum clique)");
   command->add_flag("--certify", arguments.certify,
                     "lower bound, gap and verdict for each answer: is it the global minimum? (squared pose graphs; loose for ranges)");
   command->add_option("--tum", arguments.tum, "write the trajectories to DIR/<file>_<back-end>/<agent>.tum");
@@ -98,7 +101,9 @@ class Solver {
   void try_file(const std::string& file, const std::string& stem) {
     try {
       bar_.begin("reading " + file);
-      const FileProblem problem = load(file, plan_.problem);
+      FileProblem problem = load(file, plan_.problem);
+      pcm_.clear();
+      if (arguments_.pcm) leave_out_inconsistent(problem.instance.graph);
       solve_file(file, stem, problem);
     } catch (const std::exception& error) {  // a bad file does not stop the others
       bar_.clear();
@@ -122,6 +127,7 @@ class Solver {
       log(file + " " + backend + ": " + run.summary.str());
       if (!run.summary.usable()) all_is_well_ = false;
       runs.push_back(to_json(run));
+      if (arguments_.pcm) runs.back()["pcm_rejected"] = rejected_loops_;
       if (arguments_.certify && run.summary.usable()) certify_answer(problem.instance.graph, answer, runs.back());
       bar_.done_with_one();
       if (run.summary.usable() && !arguments_.tum.empty())
@@ -130,6 +136,19 @@ class Solver {
     bar_.clear();
     print(file, problem, runs);
     lines_.insert(lines_.end(), runs.begin(), runs.end());
+  }
+
+  void leave_out_inconsistent(Graph& graph) {
+    constexpr std::size_t kMostNames = 20;
+    const ConsistentLoops found = consistent_loops(graph);
+    pcm_ = "pcm: " + found.str();
+    for (std::size_t i = 0; i < std::min(found.rejected.size(), kMostNames); ++i) {
+      const Graph::Place& place = graph.place(found.rejected[i]);
+      pcm_ += (i == 0 ? "\nrejected: " : ", ") + graph.batches()[place.batch]->describe(place.index);
+    }
+    if (found.rejected.size() > kMostNames) pcm_ += ", and " + std::to_string(found.rejected.size() - kMostNames) + " more";
+    for (const FactorId id : found.rejected) graph.remove(id);
+    rejected_loops_ = found.rejected.size();
   }
 
   void certify_answer(const Graph& graph, const Values& answer, Json& run) {
@@ -156,6 +175,7 @@ class Solver {
                   << plan_.problem.loss.str() << ", start " << arguments_.start;
     if (arguments_.start == "odometry") terminal_.out << " (seed " << arguments_.seed << ")";
     terminal_.out << ", tolerance " << arguments_.tolerance << ", threads " << arguments_.threads << '\n';
+    if (!pcm_.empty()) terminal_.out << pcm_ << '\n';
     if (!problem.start.empty()) terminal_.out << "start: " << problem.start << '\n';
     print_solve(terminal_.out, runs);
     print_differences(terminal_.out, runs);
@@ -180,6 +200,8 @@ class Solver {
   ProgressBar bar_;
   std::vector<Json> lines_;
   std::vector<std::string> certificates_;  ///< of the file at hand
+  std::string pcm_;                        ///< what was left out of it
+  std::size_t rejected_loops_ = 0;
   bool all_is_well_ = true;
 };
 

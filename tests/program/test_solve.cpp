@@ -86,6 +86,23 @@ TEST_F(Solve, CertifiesASquareAndNotRanges) {
   EXPECT_THAT(ranges.out, HasSubstr("count as 0 in the bound"));
 }
 
+TEST_F(Solve, LeavesOutLoopsThatDisagree) {
+  std::ostringstream text;  // along a line and back: every pose is seen again; three loops see another place
+  const auto edge = [&](int i, int j, double x) { text << "EDGE_SE2 " << i << ' ' << j << ' ' << x << " 0 0 400 0 0 400 0 4000\n"; };
+  for (int i = 0; i < 20; ++i) edge(i, i + 1, i < 10 ? 1 : -1);
+  for (int i = 0; i < 9; ++i) edge(i, 20 - i, 0.01 * (i % 3));
+  for (int i = 2; i < 5; ++i) edge(i, i + 12, 9 - 2 * i);
+  const std::string json = at("runs.jsonl");
+  const Outcome outcome =
+      holdfast_program({"solve", write("line.g2o", text.str()), "--backend", "irls", "--pcm", "--tolerance", "1e-10", "--json", json});
+  EXPECT_EQ(outcome.code, kDone) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("pcm: 9 of 12 loops agree"));
+  EXPECT_THAT(outcome.out, HasSubstr("rejected: Between(x2, x14), Between(x3, x15), Between(x4, x16)"));
+  const auto line = lines_of(json).at(0);
+  EXPECT_EQ(line["pcm_rejected"], 3);
+  EXPECT_LT(line["cost"], 1);
+}
+
 TEST_F(Solve, KnowsNoTruthInG2o) {
   const std::string json = at("runs.jsonl");
   EXPECT_EQ(holdfast_program({"solve", write("square.g2o", small_g2o()), "--backend", "irls", "--json", json}).code, kDone);
