@@ -10,8 +10,8 @@
 //
 //   e = Log(X₁ X₂⁻¹)       χ² = eᵀ Σ⁻¹ e  <  the (1 − false_alarm) quantile of χ² with dim degrees of freedom
 //
-// Log is that of SE(n); Σ is propagated to first order in its tangent, in the frame of the first track: both loops' own noise, and the odometry
-// between their ends, A on the first track, B on the second, with what a stretch that both ends have run over has in common (C):
+// Log is that of SE(n); Σ is propagated to first order in its tangent, in the frame of the first track: both loops' own noise, and the
+// odometry between their ends, A on the first track, B on the second, with what a stretch that both ends have run over has in common (C):
 //
 //   Σ = Ad(T_a z) Σ_z Ad(T_a z)ᵀ of each + A + Ad(X) B Ad(X)ᵀ ∓ (C Ad(X)ᵀ + Ad(X) C)
 //
@@ -42,7 +42,7 @@ struct PairwiseConsistencyOptions {
   double informative = 1;               ///< > 0 [rad]
   std::size_t most_pairs = 20'000'000;  ///< >= 1
   double time_limit = 0.5;              ///< >= 0 [s] of the exact search, for each pair of tracks; 0: greedy
-  double noise_scale = 1;               ///< > 0: of every covariance
+  double noise_scale = 0;               ///< >= 0: of every covariance; 0: estimated
   /// The odometry. Empty: the relative poses between poses of one agent that follow each other by step.
   std::vector<FactorId> odometry;
 
@@ -62,9 +62,9 @@ struct ConsistentLoops {
   std::string str() const;
 };
 
-/// Loops: relative poses (factors that say relative_pose()) that are not odometry, whatever their loss, of weight > 0. Other factors are not
-/// looked at. A direction without information counts as 1e-9 of the largest. Throws BadOption; BadKey where an id of `odometry` is not in the
-/// graph; BadType where it is no relative pose.
+/// Loops: relative poses (factors that say relative_pose()) that are not odometry, whatever their loss, of weight > 0. Other factors
+/// are not looked at. A direction without information counts as 1e-9 of the largest. Throws BadOption; BadKey where an id of `odometry` is not in
+/// the graph; BadType where it is no relative pose.
 ConsistentLoops consistent_loops(const Graph& graph, const PairwiseConsistencyOptions& options = {});
 
 }  // namespace holdfast

@@ -14,7 +14,7 @@ struct IndependentSet {
   bool is_exact = true;      ///< false: the time was up in some part, whose best set so far is taken
 };
 
-/// conflicts[i]: the nodes in conflict with i; symmetric, without i, without repetition. time_limit [s] for the exact search; 0: greedy alone.
+/// conflicts[i]: the nodes in conflict with i; symmetric, without i, without repetition. time_limit [s]: of the exact search; 0: greedy.
 /// The same answer on every machine where the time suffices.
 IndependentSet largest_independent_set(const std::vector<std::vector<int>>& conflicts, double time_limit);
 
