@@ -63,8 +63,8 @@ struct ConsistentLoops {
 };
 
 /// Loops: relative poses (factors that say relative_pose()) that are not odometry, whatever their loss, of weight > 0. Other factors
-/// are not looked at. A direction without information counts as 1e-9 of the largest. Throws BadOption; BadKey where an id of `odometry` is not in
-/// the graph; BadType where it is no relative pose.
+/// are not looked at. A direction without information counts as 1e-9 of the largest. Throws BadOption; BadKey where an id of `odometry`
+/// is not in the graph; BadType where it is no relative pose.
 ConsistentLoops consistent_loops(const Graph& graph, const PairwiseConsistencyOptions& options = {});
 
 }  // namespace holdfast
