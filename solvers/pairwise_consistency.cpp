@@ -5,6 +5,8 @@
 #include <holdfast/solvers/internal/independent_set.hpp>
 #include <holdfast/solvers/pairwise_consistency.hpp>
 #include <map>
+#include <queue>
+#include <random>
 #include <set>
 #include <sstream>
 
@@ -60,6 +62,7 @@ class Consistency {
  public:
   static constexpr int dim = Pose::dim;
   using Square = Matrix<dim, dim>;
+  static constexpr int kTwins = 25;  ///< steps between the ends of twins
 
   Consistency(const Graph& graph, const PairwiseConsistencyOptions& options) : graph_(graph), options_(options) {
     limit_ = chi_squared_limit(dim, options.false_alarm);
@@ -73,6 +76,7 @@ class Consistency {
 
   void add_to(ConsistentLoops& result, std::vector<char>& is_rejected) {
     result.tracks += tracks_;
+    support_.assign(loops_.size(), 0);
     if (!groups_.empty()) result.noise_scale = std::min(result.noise_scale, scale_);
     for (auto& [tracks, group] : groups_) {
       if (group.size() < 2) {
@@ -82,6 +86,7 @@ class Consistency {
       ++result.groups;
       judge(group, tracks.first == tracks.second, result, is_rejected);
     }
+    if (options_.second_look) vote(is_rejected);
   }
   const std::vector<FactorId>& loops() const { return ids_; }
 
@@ -179,6 +184,11 @@ class Consistency {
       ++tracks_;
     }
   }
+  /// A measurement between two poses, by number.
+  struct Tie {
+    int first, second;
+    const Edge* edge;
+  };
   void put(Key key, const Pose& T, const Square& sum) {
     places_[key] = {tracks_, static_cast<int>(poses_.size())};
     poses_.push_back(T);
@@ -245,6 +255,174 @@ class Consistency {
     return scale < 1 ? std::min(1.0, kSafety * std::max(scale, kLeast)) : 1;
   }
 
+  // ---- the second look: each loop against the map that the others make
+
+  /// The paths of least uncertainty from one pose to all, over odometry and some loops.
+  struct Tree {
+    std::vector<int> parent, depth, part;  ///< part: the root's number
+    std::vector<Pose> T;
+    std::vector<Square> sums;
+    std::vector<char> has_loop;  ///< by loop: it is an edge of the tree
+
+    int common_ancestor(int a, int b) const {
+      while (a != b) (depth[a] >= depth[b] ? a : b) = parent[depth[a] >= depth[b] ? a : b];
+      return a;
+    }
+  };
+
+  std::vector<Tie> ties() const {
+    std::vector<Tie> all;
+    for (const std::vector<Edge>* edges : {&loop_edges_, &odometry_})  // loops first: their numbers
+      for (const Edge& edge : *edges) all.push_back({places_.at(edge.first).number, places_.at(edge.second).number, &edge});
+    return all;
+  }
+
+  Tree tree(const std::vector<Tie>& all, const std::vector<char>& is_used, const std::vector<std::vector<int>>& at, int root) const {
+    constexpr int turns = dim - Pose::space_dim;
+    const int n = static_cast<int>(poses_.size());
+    Tree tree{std::vector<int>(n, -1), std::vector<int>(n, 0), std::vector<int>(n, -1),
+              std::vector<Pose>(n),    std::vector<Square>(n), std::vector<char>(loop_edges_.size(), 0)};
+    std::vector<double> distance(n, std::numeric_limits<double>::infinity());
+    std::vector<int> by(n, -1);
+    using Entry = std::pair<double, int>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    for (int k = 0; k < n; ++k) {
+      const int start = (root + k) % n;
+      if (tree.part[start] >= 0) continue;
+      tree.sums[start].setZero();
+      queue.emplace(distance[start] = 0, start);
+      while (!queue.empty()) {
+        const auto [so_far, here] = queue.top();
+        queue.pop();
+        if (tree.part[here] >= 0) continue;
+        tree.part[here] = start;
+        if (by[here] >= 0) grow(tree, all[by[here]], by[here], here);
+        for (const int t : at[here]) {
+          if (is_used[t] == 0) continue;
+          const int there = all[t].first == here ? all[t].second : all[t].first;
+          const double next = so_far + all[t].edge->covariance.template bottomRightCorner<turns, turns>().trace();
+          if (tree.part[there] >= 0 || !(next < distance[there])) continue;
+          distance[there] = next;
+          by[there] = t;
+          queue.emplace(next, there);
+        }
+      }
+    }
+    return tree;
+  }
+  void grow(Tree& tree, const Tie& tie, int number, int here) const {
+    const bool forwards = tie.second == here;
+    const int from = forwards ? tie.first : tie.second;
+    tree.parent[here] = from;
+    tree.depth[here] = tree.depth[from] + 1;
+    tree.T[here] = forwards ? tree.T[from] * tie.edge->measured : tree.T[from] * tie.edge->measured.inverse();
+    const Square Ad = adjoint(tree.T[forwards ? here : from]);
+    tree.sums[here] = tree.sums[from] + Ad * tie.edge->covariance * Ad.transpose();
+    if (number < static_cast<int>(loop_edges_.size())) tree.has_loop[number] = 1;
+  }
+
+  /// 1: it agrees with the tree, −1: it does not, 0: the tree does not say.
+  int verdict(const Tree& tree, const Tie& loop) const {
+    constexpr int turns = dim - Pose::space_dim;
+    constexpr double kSays = 0.1;  // of the limit [rad²]: with more, nearly everything agrees
+    const int a = loop.first, b = loop.second;
+    if (tree.part[a] != tree.part[b]) return 0;
+    const Square way = tree.sums[a] + tree.sums[b] - 2 * tree.sums[tree.common_ancestor(a, b)];
+    const double turn = scale_ * way.template bottomRightCorner<turns, turns>().trace() / turns;
+    if (turn > kSays * options_.informative * options_.informative) return 0;
+    const Pose end = tree.T[a] * loop.edge->measured;
+    const Square Ad = adjoint(end);
+    const Square S = way + Ad * loop.edge->covariance * Ad.transpose();
+    const Vector<dim> e = log_of(end * tree.T[b].inverse());
+    const auto cholesky = S.llt();
+    if (cholesky.info() != Eigen::Success) return 0;
+    return e.dot(cholesky.solve(e)) > limit_ * scale_ ? -1 : 1;
+  }
+
+  /// Loops from about the same place to about the same place: they stand and fall together.
+  std::vector<std::vector<int>> twins(const std::vector<Tie>& all) const {
+    const int loops = static_cast<int>(loop_edges_.size());
+    std::map<std::pair<int, int>, std::vector<int>> cells;
+    const auto low = [&](int l) { return std::min(all[l].first, all[l].second); };
+    const auto high = [&](int l) { return std::max(all[l].first, all[l].second); };
+    for (int l = 0; l < loops; ++l) cells[{low(l) / kTwins, high(l) / kTwins}].push_back(l);
+    std::vector<std::vector<int>> result(static_cast<std::size_t>(loops));
+    for (int l = 0; l < loops; ++l)
+      for (int i = -1; i <= 1; ++i)
+        for (int j = -1; j <= 1; ++j) {
+          const auto cell = cells.find({low(l) / kTwins + i, high(l) / kTwins + j});
+          if (cell == cells.end()) continue;
+          for (const int other : cell->second)
+            if (other != l && std::abs(low(other) - low(l)) <= kTwins && std::abs(high(other) - high(l)) <= kTwins)
+              result[l].push_back(other);
+        }
+    return result;
+  }
+
+  /// The better half of the kept loops.
+  std::vector<char> supported(const std::vector<char>& was_rejected) const {
+    std::vector<int> kept;
+    for (std::size_t l = 0; l < was_rejected.size(); ++l)
+      if (was_rejected[l] == 0) kept.push_back(support_[l]);
+    std::vector<char> result(was_rejected.size(), 0);
+    if (kept.empty()) return result;
+    std::nth_element(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(kept.size() / 2), kept.end());
+    for (std::size_t l = 0; l < was_rejected.size(); ++l)
+      result[l] = static_cast<char>(was_rejected[l] == 0 && support_[l] >= kept[kept.size() / 2]);
+    return result;
+  }
+
+  /// Half of the loops make a map, the others are asked; what most maps without a twin of it disagree with goes, the worst first, so
+  /// that the maps get better.
+  void vote(std::vector<char>& is_rejected) const {
+    constexpr int kTrees = 24, kCell = 80, kFewestVotes = 3;
+    constexpr double kAgainst[] = {0.95, 0.9, 0.8, 0.7, 0.6, 0.5, 0.5}, kReadmitted = 0.25;
+    if (loop_edges_.empty()) return;
+    const std::vector<Tie> all = ties();
+    const std::size_t loops = loop_edges_.size();
+    const auto rejected = [&](std::size_t l) -> char& { return is_rejected[static_cast<std::size_t>(loop_edges_[l].id.number)]; };
+    std::vector<char> was_rejected(loops);
+    for (std::size_t l = 0; l < loops; ++l) was_rejected[l] = rejected(l);
+    std::vector<std::vector<int>> at(poses_.size());
+    for (std::size_t t = 0; t < all.size(); ++t) {
+      at[all[t].first].push_back(static_cast<int>(t));
+      at[all[t].second].push_back(static_cast<int>(t));
+    }
+    const std::vector<std::vector<int>> twins_of = twins(all);
+    std::vector<char> makes_maps = supported(was_rejected);
+    std::mt19937_64 rng(1);
+    for (const double limit : kAgainst) {
+      std::vector<int> votes(loops, 0), against(loops, 0);
+      for (int k = 0; k < kTrees; ++k) {
+        const int shift = static_cast<int>(rng() % kCell);
+        const std::uint64_t salt = rng();
+        std::vector<char> is_used(all.size(), 1);
+        for (std::size_t l = 0; l < loops; ++l) {
+          const auto [low, high] = std::minmax(all[l].first, all[l].second);
+          std::uint64_t cell = salt + 0x9E3779B97F4A7C15u * static_cast<std::uint64_t>((low + shift) / kCell) +
+                               0xC2B2AE3D27D4EB4Fu * static_cast<std::uint64_t>((high + shift) / kCell);
+          cell = (cell ^ (cell >> 31)) * 0xBF58476D1CE4E5B9u;
+          is_used[l] = static_cast<char>(makes_maps[l] != 0 && (cell >> 40 & 1) != 0);
+        }
+        const Tree map = tree(all, is_used, at, static_cast<int>(rng() % poses_.size()));
+        for (std::size_t l = 0; l < loops; ++l) {
+          if (is_used[l] != 0) continue;
+          if (std::any_of(twins_of[l].begin(), twins_of[l].end(), [&](int other) { return map.has_loop[other] != 0; })) continue;
+          const int says = verdict(map, all[l]);
+          votes[l] += says != 0;
+          against[l] += says < 0;
+        }
+      }
+      for (std::size_t l = 0; l < loops; ++l)
+        if (votes[l] >= kFewestVotes) rejected(l) = static_cast<char>(against[l] > (was_rejected[l] != 0 ? kReadmitted : limit) * votes[l]);
+      for (std::size_t l = 0; l < loops; ++l)
+        if (rejected(l) != 0)
+          makes_maps[l] = 0;
+        else if (votes[l] >= kFewestVotes)
+          makes_maps[l] = 1;
+    }
+  }
+
   double turn_at_first(int loop) const { return turns_[loops_[loop].first]; }
 
   /// Variance of heading between the ends of two loops [rad²].
@@ -274,11 +452,19 @@ class Consistency {
     result.informative = std::min(result.informative, std::sqrt(limit * scale_));
     result.pairs += count;
     std::vector<std::vector<int>> conflicts(group.size());
-    std::vector<std::vector<int>> tried(group.size());
+    constexpr double kClose = 0.1;  // of the limit: a pair whose agreement says much
+    std::vector<char> tried(group.size(), 0);
     for_each_pair(group, limit, [&](std::size_t k, std::size_t l) {
-      tried[k].push_back(static_cast<int>(l));
-      tried[l].push_back(static_cast<int>(k));
-      if (agree(loops_[group[k]], loops_[group[l]], same_track)) return;
+      tried[k] = tried[l] = 1;
+      const Loop &a = loops_[group[k]], &b = loops_[group[l]];
+      if (agree(a, b, same_track)) {
+        const bool are_twins = std::abs(a.first - b.first) <= kTwins && std::abs(a.second - b.second) <= kTwins;
+        if (!are_twins && turn_between(a, b) <= kClose * limit) {
+          ++support_[group[k]];
+          ++support_[group[l]];
+        }
+        return;
+      }
       conflicts[k].push_back(static_cast<int>(l));
       conflicts[l].push_back(static_cast<int>(k));
       ++result.disagreeing;
@@ -288,23 +474,10 @@ class Consistency {
     result.is_exact = result.is_exact && kept.is_exact;
     std::vector<char> is_kept(group.size(), 0);
     for (int k : kept.members) is_kept[k] = 1;
-    readmit(conflicts, tried, is_kept);
     for (std::size_t k = 0; k < group.size(); ++k) {
       if (is_kept[k] == 0) is_rejected[static_cast<std::size_t>(ids_[group[k]].number)] = 1;
-      if (tried[k].empty()) ++result.untested;
+      if (tried[k] == 0) ++result.untested;
     }
-  }
-
-  /// Noise has heavier tails than the test: a loop that few of the kept ones disagree with is true.
-  void readmit(const std::vector<std::vector<int>>& conflicts, const std::vector<std::vector<int>>& tried,
-               std::vector<char>& is_kept) const {
-    const std::vector<char> before = is_kept;
-    const auto count = [&](const std::vector<int>& loops) {
-      return std::count_if(loops.begin(), loops.end(), [&](int l) { return before[l] != 0; });
-    };
-    for (std::size_t k = 0; k < is_kept.size(); ++k)
-      if (is_kept[k] == 0 && static_cast<double>(count(conflicts[k])) <= options_.readmit * static_cast<double>(count(tried[k])))
-        is_kept[k] = 1;
   }
 
   /// The noise that a track has gathered between two of its poses, in its frame.
@@ -341,6 +514,7 @@ class Consistency {
   int tracks_ = 0;
   std::vector<Loop> loops_;
   std::vector<FactorId> ids_;
+  std::vector<int> support_;  ///< of each loop: others that are no twins, and agree where it says much
   std::map<std::pair<int, int>, std::vector<int>> groups_;
 };
 
@@ -362,7 +536,6 @@ void PairwiseConsistencyOptions::validate() const {
   require(false_alarm > 0 && false_alarm < 1, "false_alarm", false_alarm, "between 0 and 1; 1e-4 is usual");
   require(informative > 0, "informative", informative, "> 0 [rad]");
   require(most_pairs >= 1, "most_pairs", static_cast<double>(most_pairs), ">= 1");
-  require(readmit >= 0 && readmit < 1, "readmit", readmit, ">= 0 and < 1");
   require(time_limit >= 0, "time_limit", time_limit, ">= 0 [s]");
   require(noise_scale >= 0 && std::isfinite(noise_scale), "noise_scale", noise_scale, "finite and >= 0; 0 estimates it");
 }

@@ -18,8 +18,13 @@
 // all from cumulative sums, so a pair costs the same however far apart its ends are. Of each pair of tracks the largest set of loops
 // without a disagreement is kept, a maximum clique: exact within time_limit, else the best set found by greedy choice and swaps.
 //
-// Noise has heavier tails than χ², so a loop outside that set comes back where at most `readmit` of the kept ones that it was tried with
-// disagree with it; false loops disagree with many.
+// A second look goes beyond pairs. A false group that dead reckoning cannot tell from the truth, or that outnumbers the true loops
+// near it, still does not fit the map. 24 maps are made, each the tree of least uncertain paths over the odometry and a random half of the
+// kept loops (at first of those that most others support), and each other loop is asked whether it agrees with the way between its ends,
+// by the same test, where that is known well (a third of `informative`), and unless the map holds a twin of it: a loop whose ends are
+// within 25 poses of its own, since twins stand and fall together. A loop that at least three maps judge, and 95 % of them reject, goes;
+// then new maps are made of what is left, seven times in all, the last two rejecting what half of them do. What the pairs had rejected
+// comes back where a quarter at most reject it.
 //
 // Which pairs are tried. Where odometry has turned by an unknown angle any two loops agree: pairs with more than `informative` radians of
 // standard deviation of the heading between their ends (both tracks together) are not tried and count as agreeing; where more than
@@ -38,7 +43,7 @@ namespace holdfast {
 
 struct PairwiseConsistencyOptions {
   double false_alarm = 1e-4;            ///< in (0, 1): probability that two true loops are taken to disagree
-  double readmit = 0.02;                ///< in [0, 1)
+  bool second_look = true;              ///< the vote of the maps
   double informative = 1;               ///< > 0 [rad]
   std::size_t most_pairs = 20'000'000;  ///< >= 1
   double time_limit = 0.5;              ///< >= 0 [s] of the exact search, for each pair of tracks; 0: greedy

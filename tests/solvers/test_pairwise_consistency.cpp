@@ -187,6 +187,36 @@ TYPED_TEST(Pcm, EstimatesTheScaleOfTheNoise) {
   EXPECT_LE(found.rejected.size(), overstated.false_ones.size() + 1) << found.str();
 }
 
+// Laps of one ring: dead reckoning knows nothing of far laps, so pairs cannot tell; but the map, over the loops from lap to lap, can.
+TYPED_TEST(Pcm, TheMapSeesMoreThanPairs) {
+  using V = TypeParam;
+  constexpr int kLap = 30, kLaps = 20, kPoses = kLap * kLaps;
+  std::size_t without = 0, with = 0, loops = 0, rejected = 0;
+  for (int seed = 0; seed < 5; ++seed) {
+    Walks<V> walks(static_cast<std::uint64_t>(seed), 2, 0.06);
+    walks.graph = Graph();
+    walks.truth = Values();
+    Vector<V::dim> step = Vector<V::dim>::Zero();
+    step[0] = 1;
+    step[V::dim - 1] = 2 * kPi / kLap;
+    V x;
+    for (int i = 0; i < kPoses; ++i, x = x * V{}.retract(step)) walks.truth.insert(A(i), x);
+    for (int i = 1; i < kPoses; ++i) walks.tie(A(i - 1), A(i));
+    for (int i = kLap; i < kPoses; i += 2, ++loops) walks.tie(A(i), A(i - kLap));
+    for (int k = 0; k < 6; ++k) walks.add_false_group(12, kPoses, A, A, 6);
+    PairwiseConsistencyOptions options = as_stated();
+    options.second_look = false;
+    without += walks.false_kept(consistent_loops(walks.graph, options));
+    options.second_look = true;
+    const ConsistentLoops found = consistent_loops(walks.graph, options);
+    with += walks.false_kept(found);
+    rejected += found.rejected.size() - (walks.false_ones.size() - walks.false_kept(found));
+  }
+  EXPECT_GT(without, 100u) << with;
+  EXPECT_LT(10 * with, 8 * without) << with;
+  EXPECT_LT(rejected, loops / 50);
+}
+
 TEST(PairwiseConsistency, KeepsALoopThatNothingCanBeSaidOf) {
   Walks<Pose2> walks(1, 30, 0.01);
   walks.tie(A(2), B(3));
