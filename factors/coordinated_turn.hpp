@@ -1,13 +1,14 @@
 // Motion at an unknown turn rate that wanders:   r = W [F_CT(ω_k) x_k − x_{k+1}; ω_k − ω_{k+1}],   W 5 × 5
 //
-// Variables: state [px vx py vy] and turn rate ω [rad/s], before and after dt [s]; F_CT as in constant_turn.hpp (paper B, eq. 3). The noise
+// Variables: a Turning2 [px vx py vy ω] before and after dt [s]; F_CT as in constant_turn.hpp (paper B, eq. 3). In a Window the turn rate is
+// learned: window.add_agent('A', [](double seconds) { return CoordinatedTurn{seconds, q, q_turn}; }). The noise
 // is white acceleration of density q [m²/s³] and white turn acceleration of density q_turn [rad²/s³], independent of each other:
 // covariance q [dt³/3 dt²/2; dt²/2 dt] on each axis, q_turn dt on ω.
 #pragma once
 
 #include <holdfast/factors/detail/rules.hpp>
 #include <holdfast/graph/factor.hpp>
-#include <holdfast/graph/variables/kinematic.hpp>
+#include <holdfast/graph/variables/turning2.hpp>
 
 namespace holdfast {
 
@@ -16,7 +17,7 @@ struct CoordinatedTurn {
   double q;       ///< [m²/s³]
   double q_turn;  ///< [rad²/s³]
 
-  using Variables = variables<Motion2, Scalar, Motion2, Scalar>;
+  using Variables = variables<Turning2, Turning2>;
   static constexpr int residual_dim = 5;
   static const char* name() { return "CoordinatedTurn"; }
   static constexpr auto fields() {
@@ -28,8 +29,8 @@ struct CoordinatedTurn {
     Vector<5> mean;
     Matrix<5, 5> F;
   };
-  Prediction predicted(const Motion2& x, double omega) const {
-    const double theta = omega * dt, sine = std::sin(theta), cosine = std::cos(theta);
+  Prediction predicted(const Turning2& x) const {
+    const double theta = x.turn_rate() * dt, sine = std::sin(theta), cosine = std::cos(theta);
     const double half = sinc(theta / 2);
     const double s = dt * sinc(theta), c = dt * std::sin(theta / 2) * half;  // dt sin θ/θ, dt (1 − cos θ)/θ
     const double ds = dt * dt * sinc_slope(theta);                           // by ω
@@ -41,7 +42,7 @@ struct CoordinatedTurn {
         0, c, 1, s, dc * vx + ds * vy,                         //
         0, sine, 0, cosine, dt * (cosine * vx - sine * vy),    //
         0, 0, 0, 0, 1;
-    prediction.mean << prediction.F.topLeftCorner<4, 4>() * x.value, omega;
+    prediction.mean << prediction.F.topLeftCorner<4, 4>() * x.value.head<4>(), x.turn_rate();
     return prediction;
   }
   /// The covariance of what is added to it.
@@ -52,17 +53,14 @@ struct CoordinatedTurn {
     return Q;
   }
 
-  Vector<5> operator()(const Motion2& x, const Scalar& omega, const Motion2& next, const Scalar& omega_next,
-                       Jacobians<CoordinatedTurn>* J = nullptr) const {
+  Vector<5> operator()(const Turning2& x, const Turning2& next, Jacobians<CoordinatedTurn>* J = nullptr) const {
     const Matrix<5, 5> W = sqrt_information();
-    const Prediction prediction = predicted(x, omega.value);
+    const Prediction prediction = predicted(x);
     if (J != nullptr) {
       J->all.leftCols<5>().noalias() = W * prediction.F;
       J->all.rightCols<5>() = -W;
     }
-    Vector<5> to;
-    to << next.value, omega_next.value;
-    return W * (prediction.mean - to);
+    return W * (prediction.mean - next.value);
   }
 
   void validate() const {

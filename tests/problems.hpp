@@ -200,6 +200,7 @@ Kinematic<T, Axes, Order> moved(const Motion<Axes>& world, const Kinematic<T, Ax
   }
   return out;
 }
+inline Turning2 moved(const Motion<2>& world, const Turning2& x) { return {moved(world, x.motion()), x.turn_rate()}; }
 inline Pose2 moved(const Motion<2>& world, const Pose2& x) { return {Vector<2>(world.R * x.p + world.t), Vector<2>(world.R * x.heading)}; }
 inline Pose3 moved(const Motion<3>& world, const Pose3& x) {
   return {Vector<3>(world.R * x.p + world.t), so3::Quaternion<double>(Eigen::Quaterniond(Eigen::Matrix3d(world.R))) * x.q};

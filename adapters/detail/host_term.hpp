@@ -56,7 +56,7 @@ const Slot* slot_of(std::type_index type, const char* name) {
       {typeid(Point2), the_slot<SlotOf<Point2>>()},   {typeid(Point3), the_slot<SlotOf<Point3>>()},
       {typeid(Motion2), the_slot<SlotOf<Motion2>>()}, {typeid(Motion3), the_slot<SlotOf<Motion3>>()},
       {typeid(Accel2), the_slot<SlotOf<Accel2>>()},   {typeid(Accel3), the_slot<SlotOf<Accel3>>()},
-      {typeid(Scalar), the_slot<SlotOf<Scalar>>()}};
+      {typeid(Scalar), the_slot<SlotOf<Scalar>>()},   {typeid(Turning2), the_slot<SlotOf<Turning2>>()}};
   for (const auto& [known, slot] : all)
     if (known == type) return slot;
   fail<BadType>("variables of type ", name, " have no known place in ", Slot::cure());

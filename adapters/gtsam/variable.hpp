@@ -3,8 +3,8 @@
 //   values.insert(A(3), gtsam::Pose3{…});   values.at<gtsam::Pose2>(A(0));       // into and out of our Values
 //   gtsam::Values theirs = to_gtsam(values);   Values ours = from_gtsam(theirs);
 //
-// In gtsam::Values: Pose2, Pose3, Point2, Point3 are GTSAM's own; Motion2 a Vector4, Motion3 and Accel2 a Vector6, Accel3 a Vector9 (in our
-// memory order), Scalar a double. Tangents: GTSAM moves translations in the body frame, and Pose3's come rotation first; both its
+// In gtsam::Values: Pose2, Pose3, Point2, Point3 are GTSAM's own; Motion2 a Vector4, Turning2 a Vector5, Motion3 and Accel2 a Vector6, Accel3 a
+// Vector9 (in our memory order), Scalar a double. Tangents: GTSAM moves translations in the body frame, and Pose3's come rotation first; both its
 // retractions (Expmap or not) agree with ours to first order, which is all that a Jacobian asks for. Keys are the same
 // 64 bits, whatever wrote them: gtsam::Symbol('x', 3) is Key('x', 3), a LabeledSymbol comes back as it went.
 #pragma once
@@ -133,13 +133,13 @@ inline void write_back(const gtsam::Values& theirs, Values& values) {
   for (const auto& pool : values.pools())
     for (int i = 0; i < pool->size(); ++i) detail::gtsam_slot(*pool)->read(theirs, gtsam_key(pool->keys()[i]), pool->data(i));
 }
-/// Poses, points and numbers, and Vector4 as Motion2, Vector9 as Accel3. BadType names anything else: a Vector6 could be two things of
-/// ours.
+/// Poses, points and numbers, and Vector4 as Motion2, Vector5 as Turning2, Vector9 as Accel3. BadType names anything else: a Vector6 could
+/// be two things of ours.
 inline Values from_gtsam(const gtsam::Values& theirs) {
   using namespace detail;
-  const GtsamSlot* const known[] = {the_slot<GtsamSlotOf<Pose2>>(),  the_slot<GtsamSlotOf<Pose3>>(),  the_slot<GtsamSlotOf<Point2>>(),
-                                    the_slot<GtsamSlotOf<Point3>>(), the_slot<GtsamSlotOf<Scalar>>(), the_slot<GtsamSlotOf<Motion2>>(),
-                                    the_slot<GtsamSlotOf<Accel3>>()};
+  const GtsamSlot* const known[] = {the_slot<GtsamSlotOf<Pose2>>(),    the_slot<GtsamSlotOf<Pose3>>(),  the_slot<GtsamSlotOf<Point2>>(),
+                                    the_slot<GtsamSlotOf<Point3>>(),   the_slot<GtsamSlotOf<Scalar>>(), the_slot<GtsamSlotOf<Motion2>>(),
+                                    the_slot<GtsamSlotOf<Turning2>>(), the_slot<GtsamSlotOf<Accel3>>()};
   Values ours;
   for (const gtsam::Key key : theirs.keys()) {
     const gtsam::Value& value = theirs.at(key);

@@ -48,10 +48,10 @@ Score filtered(const Flight& flight, const FilterBOptions& options) {
   return score;
 }
 
-FlightTracker tracker_of(const Flight& flight, const FlightTrackerOptions& options) {
+std::vector<Motion2> starts_of(const Flight& flight) {
   std::vector<Motion2> start;
   for (std::size_t f = 0; f < flight.gps.size(); ++f) start.push_back(start_of(flight, f));
-  return {kFlightStep, start, options};
+  return start;
 }
 
 std::vector<Vector<2>> samples_of(const Flight& flight, int step) {
@@ -81,7 +81,7 @@ void judge(const Flight& flight, const FlightTracker& tracker, double outlier, J
 /// Ours at lag 0, then 2 s later.
 std::vector<Score> tracked(const Flight& flight, const FlightTrackerOptions& options) {
   constexpr int kSample = 1000;  // samples between two errors that know nothing of each other
-  FlightTracker tracker = tracker_of(flight, options);
+  FlightTracker tracker(kFlightStep, starts_of(flight), options);
   Error now, late;
   double nees = 0, microseconds = 0;
   int samples = 0;
@@ -187,9 +187,9 @@ PaperTable table(const std::string& name, const std::string& what, bool mixture)
 
 /// The largest difference of a position in a run from two back-ends: at lag 0, then 2 s later.
 std::vector<Score> back_ends(const Flight& flight, FlightTrackerOptions options) {
-  FlightTracker irls = tracker_of(flight, options);
+  FlightTracker irls(kFlightStep, starts_of(flight), options);
   options.backend = "ceres";
-  FlightTracker ceres = tracker_of(flight, options);
+  FlightTracker ceres(kFlightStep, starts_of(flight), options);
   double now = 0, late = 0;
   for (int k = 0; k < flight.options.steps; ++k) {
     for (FlightTracker* tracker : {&irls, &ceres}) tracker->step(samples_of(flight, k));
@@ -218,7 +218,7 @@ PaperTable back_end_table(const std::string& scenario) {
 Json tracks(unsigned seed) {
   constexpr int kFirst = 3000, kSteps = 625, kEvery = 5;
   const Flight flight = made(0.5, true, seed).flight;
-  FlightTracker tracker = tracker_of(flight, {});
+  FlightTracker tracker(kFlightStep, starts_of(flight), {});
   ImmB rival({FilterB::arkf, 8, 0.01}, start_of(flight, 0));
   std::vector<Vector<2>> gps, truth, theirs, ours;
   for (int k = 0; k < kFirst + kSteps; ++k) {

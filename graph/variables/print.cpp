@@ -14,6 +14,8 @@ std::ostream& detail::print_numbers(std::ostream& out, const char* name, const d
 
 std::ostream& operator<<(std::ostream& out, const Scalar& x) { return detail::print_numbers(out, x.name(), &x.value, 1); }
 
+std::ostream& operator<<(std::ostream& out, const Turning2& x) { return detail::print_numbers(out, x.name(), x.value.data(), x.dim); }
+
 std::ostream& operator<<(std::ostream& out, const Pose2& x) {
   const double numbers[]{x.p[0], x.p[1], x.angle()};
   return detail::print_numbers(out, x.name(), numbers, 3);

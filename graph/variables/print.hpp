@@ -5,6 +5,7 @@
 #include <holdfast/graph/variables/kinematic.hpp>
 #include <holdfast/graph/variables/pose2.hpp>
 #include <holdfast/graph/variables/pose3.hpp>
+#include <holdfast/graph/variables/turning2.hpp>
 #include <iosfwd>
 
 namespace holdfast {
@@ -19,6 +20,7 @@ std::ostream& operator<<(std::ostream& out, const Kinematic<double, Axes, Order>
   return detail::print_numbers(out, x.name(), x.value.data(), x.dim);
 }
 std::ostream& operator<<(std::ostream& out, const Scalar& x);
+std::ostream& operator<<(std::ostream& out, const Turning2& x);
 std::ostream& operator<<(std::ostream& out, const Pose2& x);
 std::ostream& operator<<(std::ostream& out, const Pose3& x);
 

@@ -62,18 +62,6 @@ void Lock::forget(FactorId id) {
 
 void Lock::forget(Key landmark) { marginalizer.drop(memory, landmark); }
 
-void Lock::restart(int states_until_now) {
-  memory = Graph();
-  values = Values();
-  left.clear();
-  measured.clear();
-  fresh = 0;
-  states = states_until_now;
-  next_acquisition = 0;
-  is_new = is_unplaced = false;
-  prior = {};
-}
-
 double residual_norm(const Graph& graph, const Values& values, FactorId id) {
   static thread_local std::vector<double> r;
   evaluate(graph, values, id, r, nullptr);

@@ -38,6 +38,11 @@
 
 namespace holdfast {
 
+namespace io {
+class ByteWriter;
+class ByteReader;
+}  // namespace io
+
 struct WindowOptions {
   enum class Leaving { marginalize, drop };
 
@@ -206,12 +211,13 @@ class Window {
 
   // ---- a robot that loses power resumes where it was.
 
-  /// The whole window and a note of yours into a versioned, checksummed file, written whole or not at all. Throws BadFile.
+  /// The whole window, what its agents that keep lock remember, and a note of yours into a versioned, checksummed file, written whole or
+  /// not at all. Throws BadFile.
   void save(const std::string& path, std::string_view note = {}) const;
-  /// Into a window with the same options and the same motion models, whose states it replaces; returns the note. What follows has the
+  /// Into a window with the same options, motion models and keep_lock(), whose states it replaces; returns the note. What follows has the
   /// same bits as if nothing had happened, and FactorIds of before name their factors again. An agent with a motion model that joined
-  /// after the save stays, without states. Throws BadFile where the file is torn, foreign, of another version, or holds an agent with
-  /// another motion or a type that this program does not have; the window is then as it was.
+  /// after the save stays, without states. Throws BadFile where the file is torn, foreign, of another version, or holds an agent that
+  /// moves otherwise or keeps lock otherwise, or a type that this program does not have; the window is then as it was.
   std::string restore(const std::string& path);
 
  private:
@@ -305,6 +311,8 @@ class Window {
   void let_leave();
   void leave(Key key);
   std::unordered_map<Key, double> times() const;
+  void write(io::ByteWriter& out, const Member& member) const;
+  Member read_member(io::ByteReader& in, const Graph& graph, const Values& values) const;
 
   WindowOptions options_;
   std::unique_ptr<Backend> backend_;

@@ -16,7 +16,7 @@ const CoordinatedTurn kTurn{0.5, 0.3, 0.02};
 TEST(CoordinatedTurn, IsZeroOnACircle) {
   // 2 m/s at π/2 rad/s: radius 4/π; a quarter of the circle in 1 s.
   const double radius = 4 / kPi;
-  EXPECT_LT((CoordinatedTurn{1, 1, 1})(Motion2(0, 2, 0, 0), Scalar(kPi / 2), Motion2(radius, 0, radius, 2), Scalar(kPi / 2)).norm(), 1e-14);
+  EXPECT_LT((CoordinatedTurn{1, 1, 1})(Turning2(0, 2, 0, 0, kPi / 2), Turning2(radius, 0, radius, 2, kPi / 2)).norm(), 1e-14);
 }
 
 TEST(CoordinatedTurn, IsConstantTurnWhereTheRateIsKnown) {
@@ -24,17 +24,14 @@ TEST(CoordinatedTurn, IsConstantTurnWhereTheRateIsKnown) {
   const auto x = testing::random_variable<Motion2>(rng);
   for (const double omega : {-0.8, -1e-9, 0.0, 1e-6, 3e-4, 2.0}) {
     const Vector<4> turned = ConstantTurn<Motion2>{0.5, omega, Matrix<4, 4>::Identity()}.transition() * x.value;
-    EXPECT_LT((kTurn.predicted(x, omega).mean.head<4>() - turned).norm(), 1e-12 * turned.norm()) << omega;
+    EXPECT_LT((kTurn.predicted(Turning2(x, omega)).mean.head<4>() - turned).norm(), 1e-12 * turned.norm()) << omega;
   }
 }
 
 TEST(CoordinatedTurn, WhitensByItsCovariance) {
   std::mt19937_64 rng(2);
-  const auto x = testing::random_variable<Motion2>(rng), y = testing::random_variable<Motion2>(rng);
-  const Vector<5> r = kTurn(x, Scalar(0.3), y, Scalar(-0.1));
-  Vector<5> error = kTurn.predicted(x, 0.3).mean;
-  error.head<4>() -= y.value;
-  error[4] += 0.1;
+  const auto x = testing::random_variable<Turning2>(rng), y = testing::random_variable<Turning2>(rng);
+  const Vector<5> r = kTurn(x, y), error = kTurn.predicted(x).mean - y.value;
   EXPECT_NEAR(r.squaredNorm(), error.dot(kTurn.covariance().inverse() * error), 1e-9 * r.squaredNorm());
   const auto straight = WhiteAcceleration<Motion2>::continuous(kTurn.dt, kTurn.q).sqrt_information;
   EXPECT_LT((kTurn.covariance().topLeftCorner<4, 4>() * straight * straight - Matrix<4, 4>::Identity()).norm(), 1e-9);
@@ -44,7 +41,7 @@ TEST(CoordinatedTurn, JacobiansAtAnyRate) {
   std::mt19937_64 rng(3);
   const auto x = testing::random_variable<Motion2>(rng), y = testing::random_variable<Motion2>(rng);
   for (const double omega : {0.0, 1e-8, 1e-4, -3e-4, 0.02, -0.7, 3.0})
-    EXPECT_LT(testing::jacobian_error(kTurn, x, Scalar(omega), y, Scalar(0.1)), 1e-6) << omega;
+    EXPECT_LT(testing::jacobian_error(kTurn, Turning2(x, omega), Turning2(y, 0.1)), 1e-6) << omega;
 }
 
 TEST(CoordinatedTurn, RefusesNumbersThatAreNone) {

@@ -105,6 +105,7 @@ TESTED_ELSEWHERE = {
     "graph/variables/pose2.hpp": "tests/graph/variables/test_variables.cpp",
     "graph/variables/pose3.hpp": "tests/graph/variables/test_variables.cpp",
     "graph/variables/so3.hpp": "tests/graph/variables/test_variables.cpp",
+    "graph/variables/turning2.hpp": "tests/graph/variables/test_variables.cpp",
     "solvers/options.hpp": "tests/solvers/test_backend.cpp",
     "solvers/summary.hpp": "tests/solvers/test_backend.cpp",
 }

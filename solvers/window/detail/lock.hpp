@@ -29,8 +29,6 @@ struct Lock {
   void forget(FactorId id);
   /// Without all that is measured on this variable.
   void forget(Key landmark);
-  /// With nothing in memory, so many states after the start.
-  void restart(int states_until_now);
 
   LockOptions options;
   NothingKnown nothing_known;

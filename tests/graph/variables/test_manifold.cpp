@@ -31,7 +31,7 @@ class Manifold : public ::testing::Test {
   }
 };
 
-using Types = ::testing::Types<Scalar, Point2, Point3, Motion2, Motion3, Accel2, Accel3, Pose2, Pose3>;
+using Types = ::testing::Types<Scalar, Point2, Point3, Motion2, Motion3, Accel2, Accel3, Turning2, Pose2, Pose3>;
 TYPED_TEST_SUITE(Manifold, Types);
 
 TYPED_TEST(Manifold, RetractUndoesLocal) {
@@ -81,7 +81,7 @@ TYPED_TEST(Manifold, CastAndBackIsTheSame) {
 
 template <class V>
 class Positioned : public Manifold<V> {};
-using PositionedTypes = ::testing::Types<Point2, Point3, Motion2, Motion3, Accel2, Accel3, Pose2, Pose3>;
+using PositionedTypes = ::testing::Types<Point2, Point3, Motion2, Motion3, Accel2, Accel3, Turning2, Pose2, Pose3>;
 TYPED_TEST_SUITE(Positioned, PositionedTypes);
 
 TYPED_TEST(Positioned, PositionIsLinearInTheTangent) {

@@ -24,6 +24,7 @@ TEST(Variables, HaveTheirNamesAndSizes) {
   expect_shape<Motion3>("Motion3", 6, 6, 3);
   expect_shape<Accel2>("Accel2", 6, 6, 2);
   expect_shape<Accel3>("Accel3", 9, 9, 3);
+  expect_shape<Turning2>("Turning2", 5, 5, 2);
   expect_shape<Pose2>("Pose2", 3, 4, 2);
   expect_shape<Pose3>("Pose3", 6, 7, 3);
 }
@@ -43,6 +44,7 @@ TEST(Variables, SeeANonFiniteCoordinateAnywhere) {
   expect_sees_non_finite<Point3>();
   expect_sees_non_finite<Motion2>();
   expect_sees_non_finite<Accel3>();
+  expect_sees_non_finite<Turning2>();
   expect_sees_non_finite<Pose2>();
   expect_sees_non_finite<Pose3>();
 }
@@ -55,6 +57,14 @@ TEST(Kinematic, IsInterleavedPerAxis) {
   EXPECT_EQ(accel.position(), Vector<3>(1, 2, 3));
   EXPECT_EQ(accel.derivative(1), Vector<3>(10, 20, 30));
   EXPECT_EQ(accel.derivative(2), Vector<3>(100, 200, 300));
+}
+
+TEST(Turning2, IsAMotionAndItsTurnRate) {
+  const Turning2 state(Motion2(1, 10, 2, 20), 0.5);
+  EXPECT_EQ(state.value, (Vector<5>() << 1, 10, 2, 20, 0.5).finished());
+  EXPECT_EQ(state.motion().value, Vector<4>(1, 10, 2, 20));
+  EXPECT_EQ(state.turn_rate(), 0.5);
+  EXPECT_EQ(state.position(), Vector<2>(1, 2));
 }
 
 TEST(Pose2, ComposesLikeMatrices) {

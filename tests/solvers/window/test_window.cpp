@@ -524,7 +524,7 @@ TEST(Window, RefusesFilesThatAreTornForeignOrOfAnotherRobot) {
   newer[16] = 9;
   expect_refused(window, path, newer, "version 9");
   newer[16] = 2;
-  expect_refused(window, path, newer, "version 2, and this program reads version 3; start a new window");
+  expect_refused(window, path, newer, "version 2, and this program reads version 4; start a new window");
   WindowOptions options;
   Window other(options);
   other.add_agent('A', [](double seconds) { return WhiteAcceleration<Motion3>::continuous(seconds, 1); });
