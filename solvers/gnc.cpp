@@ -2,158 +2,144 @@
 #include <cmath>
 #include <holdfast/graph/gradient.hpp>
 #include <holdfast/solvers/gnc.hpp>
+#include <holdfast/solvers/internal/graduated_terms.hpp>
 #include <holdfast/solvers/internal/minimizer.hpp>
 
 namespace holdfast {
 namespace {
 
-constexpr double kMostTruncatedMu = 1e9;  // the band between ω = 1 and ω = 0 has closed
-constexpr double kFirstWidth = 4.0 / 9;   // the least ω of a widened loss in the first reweighing
-constexpr double kMostWidth = 1e18;       // of μ, for a loss that weighs less than this however wide it is
-
-bool is_graduated(const FactorBatch& batch) {
-  const Loss& loss = batch.family();
-  return !loss.is_convex() && (batch.residual_dim() == 1 || !(loss.per_component || loss.one_sided));
-}
-
-double truncated_weight(double u, double mu) {
-  if (u <= mu / (mu + 1)) return 1;
-  if (u >= (mu + 1) / mu) return 0;
-  return std::clamp(std::sqrt(mu * (mu + 1) / u) - mu, 0.0, 1.0);
-}
-
-/// Of μ ρ(s/μ), relative to that at 0.
-double widened_weight(const Loss& loss, double s, int d, double mu) {
-  return std::clamp(loss.rho(s / mu, d).first / loss.rho(0, d).first, 0.0, 1.0);
-}
-
-void add_up(const Summary& inner, Summary& summary, int& iterations) {
-  iterations += inner.iterations;
-  summary.seconds_setup += inner.seconds_setup;
-  summary.seconds_linearize += inner.seconds_linearize;
-  summary.seconds_solve += inner.seconds_solve;
-}
-
-// Never worse than the start.
-void finish(double cost, Progress& progress) {
-  Summary& summary = progress.summary;
-  summary.cost = cost;
-  if (cost <= summary.cost_first) return;
-  summary.cost = summary.cost_first;
-  progress.end(Termination::stopped, "GNC ended at a higher cost than the start, which is kept");
-}
+constexpr double kLoose = 1e-6;  // cost_tolerance of the solves on the way, at least
+constexpr int kSecondLooks = 3;
 
 }  // namespace
-
-// One solve: the problem with squared terms and weights, and the two μ.
-class Gnc::Run {
- public:
-  Run(const Graph& original, const Values& values, const std::vector<FactorId>& known_inliers, std::vector<TermWeight>& weights)
-      : resolved(original, values), squared(original), weights_(weights) {
-    std::vector<std::vector<bool>> known;
-    for (const auto& batch : original.batches()) known.emplace_back(batch->size(), false);
-    for (FactorId id : known_inliers) known[original.place(id).batch][original.place(id).index] = true;
-    weights_.clear();
-    for (std::size_t b = 0; b < original.batches().size(); ++b) {
-      const FactorBatch& batch = *original.batches()[b];
-      if (!is_graduated(batch)) continue;
-      for (int i = 0; i < batch.size(); ++i) {
-        weights_.push_back({original.id_of(static_cast<int>(b), i), 1.0});
-        const Loss& loss = batch.loss(i);
-        const double slope = loss.rho(0, batch.residual_dim()).first;
-        terms_.push_back({static_cast<int>(b), i, loss, batch.weight(i), slope, known[b][i], false, 0});
-      }
-      squared.set_loss(static_cast<int>(b), Squared{});
-    }
-  }
-
-  const Resolved resolved;
-  Graph squared;
-
-  bool arrived() const { return truncated_arrived_ && width_ <= 1; }
-
-  /// Both μ from the largest residuals.
-  void begin(const Values& values) {
-    measure(values);
-    double truncated = 0;
-    width_ = 1;
-    for (const Term& term : terms_) {
-      if (term.known) continue;
-      if (is_truncated(term))
-        truncated = std::max(truncated, term.s / (term.loss.scale * term.loss.scale));
-      else
-        width_ = std::max(width_, first_width(term));
-    }
-    truncated_mu_ = truncated > 0.5 ? std::min(1 / (2 * truncated - 1), kMostTruncatedMu) : kMostTruncatedMu;
-  }
-  void advance(double factor) {
-    if (!truncated_arrived_) truncated_mu_ = std::min(truncated_mu_ * factor, kMostTruncatedMu);
-    width_ = std::max(1.0, width_ / factor);
-  }
-  /// ω at these values for the current μ, into the squared problem; returns the largest change.
-  double reweigh(const Values& values) {
-    measure(values);
-    double change = 0;
-    truncated_arrived_ = true;
-    for (std::size_t t = 0; t < terms_.size(); ++t) {
-      const Term& term = terms_[t];
-      const double w = term.known           ? 1
-                       : is_truncated(term) ? truncated_weight(term.s / (term.loss.scale * term.loss.scale), truncated_mu_)
-                                            : widened_weight(term.loss, term.s, rows_of(term), width_);
-      if (is_truncated(term) && w > 0 && w < 1 && truncated_mu_ < kMostTruncatedMu) truncated_arrived_ = false;
-      change = std::max(change, std::abs(w - weights_[t].weight));
-      weights_[t].weight = w;
-      squared.set_weight(weights_[t].id, term.weight * w * (term.is_harmless ? 1 : term.slope));
-    }
-    return change;
-  }
-
- private:
-  struct Term {
-    int batch, index;
-    Loss loss;
-    double weight;
-    double slope;  ///< ρ'(0): not 1 for StudentT
-    bool known;
-    bool is_harmless;  ///< on the squared side of a one-sided term
-    double s;          ///< ‖r‖², 0 on the squared side
-  };
-  static bool is_truncated(const Term& term) { return term.loss.kind == Loss::Kind::TruncatedSquares; }
-
-  int rows_of(const Term& term) const { return squared.batches()[term.batch]->residual_dim(); }
-
-  /// The μ at which this term weighs 4/9: 2u for Geman–McClure (Yang et al., remark 5); of other losses the first power of 2 that does.
-  double first_width(const Term& term) const {
-    if (term.loss.kind == Loss::Kind::GemanMcClure) return 2 * term.s / (term.loss.scale * term.loss.scale);
-    double mu = 1;
-    while (mu < kMostWidth && widened_weight(term.loss, term.s, rows_of(term), mu) < kFirstWidth) mu *= 2;
-    return mu;
-  }
-
-  void measure(const Values& values) {
-    std::vector<double> r;
-    for (Term& term : terms_) {
-      const FactorBatch& batch = *squared.batches()[term.batch];
-      r.resize(batch.residual_dim());
-      batch.evaluate(values, resolved.batches()[term.batch].index.data(), term.index, term.index + 1, r.data(), nullptr);
-      double s = 0;
-      for (double x : r) s += x * x;
-      term.is_harmless = term.loss.one_sided && r[0] > 0;
-      term.s = term.is_harmless ? 0 : s;
-    }
-  }
-
-  std::vector<Term> terms_;
-  std::vector<TermWeight>& weights_;
-  double truncated_mu_ = 0, width_ = 1;  // μ of truncated squares, and of widened losses
-  bool truncated_arrived_ = false;
-};
 
 void GncOptions::validate() const {
   if (!(mu_factor > 1 && std::isfinite(mu_factor)))
     fail<BadOption>("mu_factor = ", mu_factor, " must be finite and > 1; the paper's is 1.4");
   if (max_outer_iterations < 1) fail<BadOption>("max_outer_iterations = ", max_outer_iterations, " must be >= 1");
 }
+
+// One solve of GNC.
+class Gnc::Run {
+ public:
+  Run(Gnc& gnc, const Graph& graph, const Values& start, const Options& outer)
+      : progress(outer, outer.max_iterations),
+        gnc_(gnc),
+        graph_(graph),
+        start_(start),
+        x_(start),
+        terms_(graph, start, gnc.gnc_options.known_inliers, gnc.weights_) {}
+
+  Summary minimize(Values& values) {
+    progress.watch.lap(summary().seconds_setup);
+    if (!progress.begin(terms_.resolved().cost(graph_, start_), graph_, terms_.resolved(), start_)) return std::move(summary());
+    cost_ = summary().cost;
+    if (graduate() && settle()) look_again();
+    finish(values);
+    return std::move(summary());
+  }
+
+  Progress progress;
+
+ private:
+  Summary& summary() { return progress.summary; }
+
+  // Every problem on the way is solved afresh from a start that is as good as dead reckoning: what the one before has bent stays bent.
+  bool graduate() {
+    const bool start_is_good = terms_.fit_the_rest(graph_, start_);
+    const bool held = start_is_good && gnc_.gnc_options.pairs && terms_.hold_back_lone_loops(graph_);
+    const bool afresh = start_is_good && !held && !terms_.all_linear();
+    if (!start_is_good && !solve(kLoose)) return false;
+    terms_.begin(x_);
+    for (;;) {
+      terms_.reweigh(x_);
+      const bool arrived = terms_.arrived();
+      if (afresh) x_.assign(start_);
+      if (!solve(kLoose)) return false;
+      if (arrived) break;
+      terms_.advance(gnc_.gnc_options.mu_factor);
+    }
+    terms_.release();
+    terms_.end_graduation();
+    return true;
+  }
+
+  // The losses themselves, by their weights, until these no longer change.
+  bool settle() {
+    for (int solves = 0;; ++solves) {
+      const double change = terms_.reweigh(x_), before = cost_;
+      if (change == 0 && solves > 0) return ends("the weights of GNC no longer change");
+      if (!solve(gnc_.options.cost_tolerance)) return false;
+      if (solves > 0 && std::abs(before - cost_) <= gnc_.options.cost_tolerance * before)
+        return ends("the relative change of the cost is within cost_tolerance");
+    }
+  }
+
+  // What was rejected on the way and now nearly fits is let in where the cost is the lower for it.
+  void look_again() {
+    for (int looks = 0; looks < kSecondLooks && terms_.any_truncated(); ++looks) {
+      const std::vector<std::size_t> admitted = terms_.compatible_rejects(x_);
+      if (admitted.empty()) return;
+      const Values before = x_;
+      const double cost = cost_;
+      const char* const rule = summary().rule;
+      for (const std::size_t term : admitted) terms_.admit(term);
+      if (solve(gnc_.options.cost_tolerance) && settle() && cost_ < cost * (1 - 1e-9)) continue;
+      x_.assign(before);
+      cost_ = cost;
+      terms_.reweigh(x_);
+      if (summary().usable()) ends(rule);
+      return;
+    }
+  }
+
+  bool ends(const char* rule) {
+    progress.end(Termination::converged, rule);
+    return true;
+  }
+
+  /// The weighted problem, from x_; false where the whole solve ends here.
+  bool solve(double tolerance) {
+    if (!progress.go_on(summary().gradient_norm)) return false;
+    ++summary().iterations;
+    const Summary inner = gnc_.solve_inner(terms_.problem(), x_, progress.watch, std::max(tolerance, gnc_.options.cost_tolerance));
+    iterations_ += inner.iterations;
+    summary().seconds_setup += inner.seconds_setup;
+    summary().seconds_linearize += inner.seconds_linearize;
+    summary().seconds_solve += inner.seconds_solve;
+    if (!inner.usable()) {
+      progress.end(Termination::failed, inner.rule);
+      summary().culprit = inner.culprit;
+      summary().cost = summary().cost_first;
+      return false;
+    }
+    cost_ = terms_.resolved().cost(graph_, x_);
+    summary().cost = std::min(summary().cost, cost_);
+    summary().gradient_norm = max_norm(gradient(graph_, x_).value);
+    return true;
+  }
+
+  // Never worse than the start.
+  void finish(Values& values) {
+    summary().iterations = iterations_;
+    if (!summary().usable()) return;
+    if (cost_ <= summary().cost_first) {
+      summary().cost = cost_;
+      values.assign(x_);
+      return;
+    }
+    summary().cost = summary().cost_first;
+    progress.end(Termination::stopped, "GNC ended at a higher cost than the start, which is kept");
+  }
+
+  Gnc& gnc_;
+  const Graph& graph_;
+  const Values& start_;
+  Values x_;
+  detail::GraduatedTerms terms_;
+  double cost_ = 0;  ///< of the graph itself, at x_
+  int iterations_ = 0;
+};
 
 Gnc::Gnc(std::unique_ptr<Backend> inner, GncOptions chosen) : gnc_options(std::move(chosen)), inner_(std::move(inner)) {
   if (!inner_) fail<BadOption>("gnc needs a back-end to wrap, and was given none; pass make_backend(\"irls\")");
@@ -167,57 +153,21 @@ double Gnc::weight(FactorId id) const {
   fail<BadKey>("factor #", id.number, " has no weight: GNC weighs terms of the graph it solved last whose loss is not convex");
 }
 
-Summary Gnc::solve_inner(const Graph& squared, Values& x, const Stopwatch& watch) {
+Summary Gnc::solve_inner(const Graph& problem, Values& x, const Stopwatch& watch, double tolerance) {
   constexpr double kLeastTime = 1e-6;  // [s]: a limit must be positive
   inner_->options = options;
+  inner_->options.cost_tolerance = tolerance;
   inner_->options.trace = false;
   inner_->options.progress = nullptr;
   inner_->options.time_limit = std::max(kLeastTime, options.time_limit - watch.seconds());
-  return inner_->solve(squared, x);
+  return inner_->solve(problem, x);
 }
 
 Summary Gnc::minimize(const Graph& graph, Values& values) {
   gnc_options.validate();
   Options outer = options;
   outer.max_iterations = gnc_options.max_outer_iterations;
-  Progress progress(outer, outer.max_iterations);
-  Summary& summary = progress.summary;
-  Run run(graph, values, gnc_options.known_inliers, weights_);
-  progress.watch.lap(summary.seconds_setup);
-  if (!progress.begin(run.resolved.cost(graph, values), graph, run.resolved, values)) return std::move(summary);
-
-  Values x = values;
-  double cost = summary.cost;
-  int iterations = 0;
-  while (progress.go_on(summary.gradient_norm)) {
-    const Summary inner = solve_inner(run.squared, x, progress.watch);
-    add_up(inner, summary, iterations);
-    if (!inner.usable()) {
-      progress.end(Termination::failed, inner.rule);
-      summary.culprit = inner.culprit;
-      summary.cost = summary.cost_first;
-      return std::move(summary);
-    }
-    const double before = cost;
-    cost = run.resolved.cost(graph, x);
-    summary.cost = std::min(summary.cost, cost);
-    summary.gradient_norm = max_norm(gradient(graph, x).value);
-    const bool had_arrived = run.arrived();
-    if (summary.iterations++ == 0)
-      run.begin(x);
-    else
-      run.advance(gnc_options.mu_factor);
-    const double change = run.reweigh(x);
-    if (!run.arrived()) continue;
-    if (change == 0) progress.end(Termination::converged, "the weights of GNC no longer change");
-    if (had_arrived && std::abs(before - cost) <= options.cost_tolerance * before)
-      progress.end(Termination::converged, "the relative change of the cost is within cost_tolerance");
-    if (summary.termination == Termination::converged) break;
-  }
-  summary.iterations = iterations;
-  finish(cost, progress);
-  if (summary.cost == cost) values.assign(x);
-  return std::move(summary);
+  return Run(*this, graph, values, outer).minimize(values);
 }
 
 std::unique_ptr<Gnc> gnc(std::unique_ptr<Backend> inner, GncOptions options) {

@@ -6,7 +6,7 @@
 //   for (const Gnc::TermWeight& t : backend->weights()) …   // which measurements were believed
 //
 // Terms whose loss is not convex (Loss::is_convex; users' own, too), as a block or of one component, become squared terms with a weight ω
-// that starts at 1; other terms stay as they are. TruncatedSquares{c} (GNC-TLS), with u = ‖r‖²/c², after every solve of the inner back-end:
+// that starts at 1; other terms stay as they are. TruncatedSquares{c} (GNC-TLS), with u = ‖r‖²/c²:
 //
 //   ω = 1 for u ≤ μ/(μ+1), 0 for u ≥ (μ+1)/μ, else √(μ(μ+1)/u) − μ;   μ ← μ · mu_factor from 1/(2 u_max − 1)   until all ω are 0 or 1
 //
@@ -14,11 +14,19 @@
 //
 //   ω = ρ'(s/μ) / ρ'(0);   μ ← μ / mu_factor from where the least ω is about 4/9   until μ = 1: ω = ρ'(s) / ρ'(0)
 //
-// For GemanMcClure{c} that is GNC-GM: ω = (μ/(u+μ))² from μ = 2 u_max. u_max: the largest u of these terms after the first solve.
-// One-sided terms keep ω = 1 on their squared side (r > 0).
+// For GemanMcClure{c} that is GNC-GM: ω = (μ/(u+μ))² from μ = 2 u_max. u_max: the largest u of these terms. One-sided terms keep ω = 1 on
+// their squared side (r > 0).
 //
-// Once μ has arrived, it stays, and the solve ends when the weights no longer change, or Graph::cost changes by no more than
-// cost_tolerance of it. The structure of the inner problem never changes, so that the inner back-end uses its symbolic work again.
+// Where it differs from the paper, which solves with all ω = 1 first and goes on from there: false loops at full weight fold the map, and it
+// stays folded.
+//   1. A start that satisfies the other terms (2 sigmas, root mean square), as dead reckoning does, is trusted: the first ω come from its
+//      residuals, and the weighted problems are solved afresh from it.
+//   2. From such a start, loop closures that no other one agrees with wait until the others have been graduated
+//      (solvers/internal/agreeing_loops.hpp): random false loops agree with nobody. `pairs` turns it off.
+//   3. Terms with ω = 0 are not in the problem that the inner back-end gets, so that they cost nothing.
+//   4. At the end all terms are weighed by the losses themselves, also those that waited, until the weights no longer change, or
+//      Graph::cost changes by no more than cost_tolerance of it. Then a second look: rejected terms with ‖r‖ < 2c that all others, with the
+//      uncertainty they leave, do not contradict at c, are let in where Graph::cost is lower for it.
 #pragma once
 
 #include <holdfast/solvers/backend.hpp>
@@ -27,7 +35,8 @@
 namespace holdfast {
 
 struct GncOptions {
-  double mu_factor = 1.4;               ///< > 1
+  double mu_factor = 2;                 ///< > 1
+  bool pairs = true;                    ///< of loop closures, those that agree with another one come first
   int max_outer_iterations = 100;       ///< >= 1: solves of the inner back-end
   std::vector<FactorId> known_inliers;  ///< of the graph to solve: ω = 1 throughout
 
@@ -61,7 +70,7 @@ class Gnc final : public Backend {
 
  private:
   class Run;
-  Summary solve_inner(const Graph& squared, Values& x, const Stopwatch& watch);
+  Summary solve_inner(const Graph& problem, Values& x, const Stopwatch& watch, double tolerance);
 
   std::unique_ptr<Backend> inner_;
   std::vector<TermWeight> weights_;
