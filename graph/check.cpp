@@ -172,7 +172,12 @@ const char* to_string(Finding::Kind kind) {
                                       "unconstrained variable",
                                       "unconstrained direction",
                                       "disconnected",
-                                      "free gauge"};
+                                      "free gauge",
+                                      "fixed is unknown",
+                                      "bad time",
+                                      "repaired noise",
+                                      "no noise",
+                                      "noise of iSAM"};
   return names[static_cast<int>(kind)];
 }
 

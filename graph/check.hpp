@@ -18,7 +18,13 @@ struct Finding {
     unconstrained_variable,  ///< no factor touches it
     unconstrained_direction,
     disconnected,
-    free_gauge
+    free_gauge,
+    // of a file (adapters/files/report.hpp)
+    unknown_fixed,   ///< FIX names no vertex
+    bad_time,        ///< two poses of an agent at one time, or in decreasing time
+    repaired_noise,  ///< an indefinite matrix was replaced by the nearest semidefinite one
+    no_noise,        ///< an edge without an information
+    isam_noise       ///< what the numbers of iSAM's text are had to be assumed
   };
   enum class Severity { warning, error };  ///< error: the problem has no answer, or no unique one
 

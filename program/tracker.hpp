@@ -85,6 +85,12 @@ class Tracker {
   template <class V>
   bool prepare(const PriorEdge<V>& edge, double time);
   bool prepare(const RangeEdge& edge, double time);
+  /// What no PyFG line is.
+  bool prepare(const BearingEdge& edge, double) { return has(edge.pose) && has(edge.landmark); }
+  template <class P>
+  bool prepare(const PositionEdge<P>& edge, double) {
+    return has(edge.key);
+  }
   /// An edge whose second end is an agent's next state brings it.
   template <class V>
   bool add_odometry(const RelativePoseEdge<V>& edge, double time);

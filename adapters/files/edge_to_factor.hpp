@@ -9,6 +9,7 @@
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/range.hpp>
 #include <holdfast/factors/relative_point.hpp>
+#include <holdfast/factors/von_mises_bearing.hpp>
 #include <holdfast/graph/files/dataset.hpp>
 #include <holdfast/graph/values.hpp>
 
@@ -31,6 +32,20 @@ Prior<V> to_factor(const PriorEdge<V>& edge) {
   return Prior<V>::from_information(edge.measured, edge.information());
 }
 
+/// A prior on the pose that says nothing of the rotation: in Prior's tangent the translation is in the world.
+template <class P>
+Prior<PoseFor<P>> to_factor(const PositionEdge<P>& edge) {
+  constexpr int space = P::dim;
+  PoseFor<P> mean;
+  mean.p = edge.measured.value;
+  Matrix<PoseFor<P>::dim, PoseFor<P>::dim> information = Matrix<PoseFor<P>::dim, PoseFor<P>::dim>::Zero();
+  information.template topLeftCorner<space, space>() = edge.information();
+  return Prior<PoseFor<P>>::from_information(mean, information);
+}
+inline VonMisesBearingBody<Pose2, Point2> to_factor(const BearingEdge& edge) {
+  return {Vector<2>(std::cos(edge.angle), std::sin(edge.angle)), edge.information};
+}
+
 /// Calls add(factor, keys…) with the factor of the edge, and returns what it returns: the same type for every factor.
 /// A range does not say what lies at its ends: `values` do. Throws BadKey where they have one of its keys not, or as something that is
 /// neither a pose nor a point; BadType where one end lies in the plane, the other in space; what from_information throws.
@@ -45,6 +60,14 @@ auto edge_to_factor(const RelativePointEdge<P>& edge, const Values&, Add&& add) 
 template <class V, class Add>
 auto edge_to_factor(const PriorEdge<V>& edge, const Values&, Add&& add) {
   return add(to_factor(edge), edge.key);
+}
+template <class P, class Add>
+auto edge_to_factor(const PositionEdge<P>& edge, const Values&, Add&& add) {
+  return add(to_factor(edge), edge.key);
+}
+template <class Add>
+auto edge_to_factor(const BearingEdge& edge, const Values&, Add&& add) {
+  return add(to_factor(edge), edge.pose, edge.landmark);
 }
 
 namespace detail {

@@ -14,14 +14,19 @@ class Builder {
 
   Problem build() {
     problem_.start = start();
-    const std::vector<bool> odometry = odometry_edges(dataset_);
+    const std::vector<bool> odometry = odometry_edges(dataset_, options_.odometry);
     for (std::size_t i = 0; i < dataset_.edges.size(); ++i) {
       const Measurement& measurement = dataset_.edges[i].measurement;
       problem_.factors.push_back(add(measurement, odometry[i] ? Loss{} : options_.loss));
       if (odometry[i]) std::visit([&](const auto& edge) { note_odometry(edge); }, measurement);
     }
-    for (const Fixed& fixed : dataset_.fixed) problem_.graph.fix(fixed.key);
-    if (!has_prior_ && dataset_.fixed.empty()) hold_the_world();
+    bool any_fixed = false;
+    for (const Fixed& fixed : dataset_.fixed) {
+      if (!problem_.start.contains(fixed.key)) continue;  // check(dataset) says so
+      problem_.graph.fix(fixed.key);
+      any_fixed = true;
+    }
+    if (!has_prior_ && !any_fixed) hold_the_world();
     if (options_.start == ProblemOptions::Start::convex) start_convex();
     return std::move(problem_);
   }

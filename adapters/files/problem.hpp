@@ -3,6 +3,7 @@
 
 #include <holdfast/graph/files/dataset.hpp>
 #include <holdfast/graph/graph.hpp>
+#include <holdfast/graph/starts/start.hpp>
 #include <holdfast/solvers/convex_start.hpp>
 #include <optional>
 
@@ -14,6 +15,7 @@ struct ProblemOptions {
   Start start = Start::file;  ///< vertex_start or odometry_start (graph/starts/start.hpp), chordal_start (graph/starts/chordal.hpp), or
                               ///< relaxed_start (solvers/convex_start.hpp) with the rotations of chordal_start
   unsigned seed = 0;          ///< of the landmarks' start in odometry_start
+  OdometryRule odometry;      ///< which relative poses are odometry, and so under no loss
 };
 
 /// "file", "odometry", "chordal" or "convex"; else BadOption.
@@ -26,8 +28,8 @@ struct Problem {
   std::optional<RelaxedStart> relaxed;  ///< how a convex start was found
 };
 
-/// Relative poses become Between, ranges Range, relative points RelativePoint, priors Prior. What holds the world in place:
-/// FIX lines and priors of the file, else: PyFG (whose vertices are truth): a prior on the first pose of each agent, at its vertex,
+/// Relative poses become Between, ranges Range, bearings VonMisesBearingBody, relative points RelativePoint, priors Prior (of positions
+/// alone, too). What holds the world in place: FIX lines of variables that there are, and priors of the file, else: PyFG (whose vertices are truth): a prior on the first pose of each agent, at its vertex,
 /// with the sigmas of the agent's first odometry edge; g2o and TORO: the lowest pose is fixed.
 /// Throws BadNumber or BadKey naming the culprit, BadProblem where a convex start fails.
 Problem make_problem(const Dataset& dataset, const ProblemOptions& options = {});

@@ -18,9 +18,15 @@ std::vector<Key> keys(const PriorEdge<V>& edge) {
   return {edge.key};
 }
 
+template <class P>
+std::vector<Key> keys(const PositionEdge<P>& edge) {
+  return {edge.key};
+}
+std::vector<Key> keys(const BearingEdge& edge) { return {edge.pose, edge.landmark}; }
+
 template <class V>
 const char* kind(const RelativePoseEdge<V>&) {
-  return "relative pose";
+  return V::dim > V::space_dim ? "relative pose" : "relative position";
 }
 template <class P>
 const char* kind(const RelativePointEdge<P>&) {
@@ -31,6 +37,11 @@ template <class V>
 const char* kind(const PriorEdge<V>&) {
   return "prior";
 }
+template <class P>
+const char* kind(const PositionEdge<P>&) {
+  return "position prior";
+}
+const char* kind(const BearingEdge&) { return "bearing"; }
 
 }  // namespace
 

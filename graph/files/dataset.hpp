@@ -23,6 +23,7 @@
 #include <holdfast/graph/error.hpp>
 #include <holdfast/graph/key.hpp>
 #include <holdfast/graph/variables.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <unordered_set>
@@ -32,6 +33,17 @@
 namespace holdfast {
 
 enum class Format { PyFG, G2o, Toro };
+
+/// What a file itself does not say.
+struct ReadOptions {
+  bool full_angle = false;  ///< g2o: informations of EDGE_SE3:QUAT are of the full angle, as GTSAM writes them, not of half the angle
+  bool toro_rows = false;   ///< TORO: the informations of EDGE2 stand row by row (iSAM, HOG-Man, SLAM++), not in TORO's order
+  /// What the numbers after iSAM's ODOMETRY and LANDMARK are: the square root R of the information RᵀR, as iSAM itself has it; others wrote
+  /// an information or (GTSAM's victoria_park.txt) a covariance into such files.
+  enum class IsamNoise { root, information, covariance };
+  IsamNoise isam_noise = IsamNoise::root;
+  bool repair = false;  ///< an indefinite matrix is replaced by the nearest semidefinite one (Dataset::repairs), not refused
+};
 
 inline const char* to_string(Format format) {
   static constexpr std::array<const char*, 3> names{"PyFG", "g2o", "TORO"};
@@ -44,14 +56,14 @@ struct Columns {
   int size = 0;
 };
 
-/// d(coordinates of `format`) / d(measured⁻¹ · predicted); see the head of this file.
+/// d(coordinates of `format`) / d(measured⁻¹ · predicted); see the head of this file. full_angle: as ReadOptions has it.
 template <class V>
-Matrix<V::dim, V::dim> noise_coordinates(Format format, const V& measured) {
+Matrix<V::dim, V::dim> noise_coordinates(Format format, const V& measured, bool full_angle = false) {
   constexpr int space = V::space_dim;
   Matrix<V::dim, V::dim> J = Matrix<V::dim, V::dim>::Identity();
   if constexpr (V::dim > space) {
     if (format == Format::Toro) J.template topLeftCorner<space, space>() = measured.rotation();
-    if (format == Format::G2o && space == 3) J.template bottomRightCorner<V::dim - space, V::dim - space>() *= 0.5;
+    if (format == Format::G2o && space == 3 && !full_angle) J.template bottomRightCorner<V::dim - space, V::dim - space>() *= 0.5;
   }
   return J;
 }
@@ -78,6 +90,7 @@ template <int N>
 struct MatrixNoise {
   Matrix<N, N> written = Matrix<N, N>::Identity();
   Format format = Format::PyFG;
+  bool full_angle = false;  ///< g2o in space, see ReadOptions
 
   bool is_covariance() const { return format == Format::PyFG; }
 
@@ -85,7 +98,8 @@ struct MatrixNoise {
   template <class V>
   Matrix<N, N> information(const V& measured) const {
     static_assert(V::dim == N);
-    return detail::congruence<N>(noise_coordinates(format, measured), is_covariance() ? detail::inverse_of_symmetric<N>(written) : written);
+    return detail::congruence<N>(noise_coordinates(format, measured, full_angle),
+                                 is_covariance() ? detail::inverse_of_symmetric<N>(written) : written);
   }
   /// Information of holdfast's tangent measured.local(predicted): the translation in the frame the measured value is expressed in.
   template <class V>
@@ -119,7 +133,7 @@ struct Vertex {
   std::size_t line = 0;        ///< in the file; 0: made, not read
 };
 
-/// T_first_second, V = Pose2 or Pose3.
+/// T_first_second, V = Pose2 or Pose3; or the step from one point to another, in the world: V = Point2 or Point3.
 template <class V>
 struct RelativePoseEdge {
   Key first, second;
@@ -136,14 +150,22 @@ struct RelativePointEdge {
   P measured;
   Columns columns;
   MatrixNoise<P::dim> noise;
-  std::optional<std::uint64_t> offset;  ///< id of the SensorOffset that g2o's EDGE_SE3_TRACKXYZ names
+  std::optional<std::uint64_t> offset = {};  ///< id of a SensorOffset that is the identity, as g2o's EDGE_SE3_TRACKXYZ names one
   Matrix<P::dim, P::dim> information() const { return noise.information(measured); }
 };
 
 struct RangeEdge {
   Key first, second;
-  double distance = 0;  ///< [m]
-  double variance = 1;  ///< [m²]
+  double distance = 0;     ///< [m]
+  double variance = 1;     ///< [m²]
+  double information = 0;  ///< [1/m²] as a g2o file has it; 0: it is 1 / variance
+};
+
+/// The direction from a pose in the plane to a landmark, in the frame of the pose, counterclockwise from its x axis.
+struct BearingEdge {
+  Key pose, landmark;
+  double angle = 0;        ///< [rad]
+  double information = 1;  ///< [1/rad²]
 };
 
 /// A direct measurement of one variable. V = Pose2, Pose3, Point2 or Point3.
@@ -153,17 +175,39 @@ struct PriorEdge {
   V measured;
   Columns columns;
   MatrixNoise<V::dim> noise;
-  std::optional<std::uint64_t> offset;  ///< id of the SensorOffset that g2o's EDGE_SE3_PRIOR names
+  std::optional<std::uint64_t> offset = {};  ///< id of a SensorOffset that is the identity, as g2o's EDGE_SE3_PRIOR names one
   Matrix<V::dim, V::dim> information() const { return noise.tangent_information(measured); }
 };
 
+/// A measured position of a pose (GPS): says nothing of its rotation. Noise in the axes of the world. P = Point2 or Point3.
+template <class P>
+struct PositionEdge {
+  Key key;
+  P measured;
+  Columns columns;
+  MatrixNoise<P::dim> noise;
+  Matrix<P::dim, P::dim> information() const { return noise.information(measured); }
+};
+
 using Measurement = std::variant<RelativePoseEdge<Pose2>, RelativePoseEdge<Pose3>, RelativePointEdge<Point2>, RelativePointEdge<Point3>,
-                                 RangeEdge, PriorEdge<Pose2>, PriorEdge<Pose3>, PriorEdge<Point2>, PriorEdge<Point3>>;
+                                 RangeEdge, PriorEdge<Pose2>, PriorEdge<Pose3>, PriorEdge<Point2>, PriorEdge<Point3>, BearingEdge,
+                                 PositionEdge<Point2>, PositionEdge<Point3>, RelativePoseEdge<Point2>, RelativePoseEdge<Point3>>;
+
+struct Original;
 
 struct Edge {
   Measurement measurement;
   std::optional<double> time;  ///< [s]
   std::size_t line = 0;
+  const char* tag = "";  ///< of its line (a literal), "" where it was made
+  /// Its line, where the measurement does not hold all that it says (a switch, a sensor offset, no information): a writer of the same
+  /// format takes it while the measurement is as it was read.
+  std::shared_ptr<const Original> original = {};
+};
+
+struct Original {
+  std::string text;
+  Measurement measurement;
 };
 
 /// One key of a FIX line; a key may be fixed more than once.
@@ -172,11 +216,26 @@ struct Fixed {
   std::size_t line = 0;
 };
 
-/// g2o's PARAMS_SE3OFFSET: the sensor in the body. Only the identity is understood; an edge that names another one is an error.
+/// g2o's PARAMS_SE3OFFSET and PARAMS_SE2OFFSET: the sensor in the body. Measurements that name one are turned into the body's frame when
+/// they are read: landmarks exactly; of poses the information is exact to first order in the deviation.
 struct SensorOffset {
   std::uint64_t id = 0;
-  Pose3 T_body_sensor;
+  Pose3 T_body_sensor;  ///< in the plane: z = 0 and about z
   Columns columns;
+  std::size_t line = 0;
+  bool in_plane = false;
+};
+
+/// An indefinite matrix and what it was replaced by (ReadOptions::repair).
+struct Repair {
+  std::size_t line = 0;
+  double smallest = 0;  ///< its smallest eigenvalue, < 0
+  double moved = 0;     ///< by how much: Frobenius norm of the difference, relative to that of the matrix
+};
+
+/// A comment or a blank line.
+struct KeptLine {
+  std::string text;
   std::size_t line = 0;
 };
 
@@ -203,6 +262,12 @@ struct Dataset {
   std::vector<UnknownLine> unknown;
   /// g2o and TORO: the keys x<n> whose id in the file is gtsam::Symbol('x', n), not the number n; they are written so again.
   std::unordered_set<Key> symbols;
+  ReadOptions reading;                 ///< how it was read; a writer of the same format writes it so again
+  std::vector<KeptLine> comments;      ///< and blank lines
+  std::vector<Repair> repairs;
+  std::vector<std::size_t> no_noise;   ///< lines of edges without an information: taken for the identity
+  bool landmarks_apart = false;        ///< g2o: ids of landmarks are numbered apart from those of poses (GTSAM): id 0 is x0 and l0
+  std::size_t line_count = 0;          ///< of the file
 };
 
 /// The unknown tags in the order of their first line.

@@ -28,6 +28,24 @@ std::vector<KeyUse> uses_of(const PriorEdge<V>& edge) {
   return {{edge.key, VertexValue(edge.measured).index()}};
 }
 
+std::vector<KeyUse> uses_of(const BearingEdge& edge) {
+  return {{edge.pose, VertexValue(Pose2()).index()}, {edge.landmark, VertexValue(Point2()).index()}};
+}
+template <class P>
+std::vector<KeyUse> uses_of(const PositionEdge<P>& edge) {
+  return {{edge.key, P::dim == 2 ? VertexValue(Pose2()).index() : VertexValue(Pose3()).index()}};
+}
+
+/// Of the edges whose lines name sensor offsets.
+bool is_in_plane_type(std::size_t type) {
+  return type == io::edge_type<RelativePoseEdge<Pose2>> || type == io::edge_type<RelativePointEdge<Point2>>;
+}
+
+std::string_view without_line_end(std::string_view text) {
+  while (!text.empty() && (text.back() == '\r' || text.back() == '\n')) text.remove_suffix(1);
+  return text;
+}
+
 const char* type_name(std::size_t type) {
   static constexpr std::array<const char*, 4> names{"Pose2", "Pose3", "Point2", "Point3"};
   return names[type];
@@ -35,31 +53,50 @@ const char* type_name(std::size_t type) {
 
 }  // namespace
 
-LineParser::LineParser(Format format, std::string name) : line_(name) {
+LineParser::LineParser(Format format, std::string name, const ReadOptions& options) : line_(name) {
   dataset_.format = format;
   dataset_.name = std::move(name);
+  dataset_.reading = options;
+  line_.reading.options = options;
+  if (format == Format::Toro) set_landmarks_apart();  // iSAM's LANDMARK
 }
+
+void LineParser::set_landmarks_apart() { dataset_.landmarks_apart = line_.reading.landmarks_apart = true; }
 
 void LineParser::parse(std::string_view text) { parse(line_.number() + 1, text); }
 
 void LineParser::parse(std::size_t number, std::string_view text) {
   line_.assign(number, text);
-  if (line_.is_blank()) return;
+  if (line_.is_blank()) {
+    dataset_.comments.push_back({std::string(without_line_end(text)), number});
+    return;
+  }
   check_foreign();
   const RecordType* type = io::find_record(dataset_.format, line_.tag());
   if (type == nullptr) {
-    while (!text.empty() && (text.back() == '\r' || text.back() == '\n')) text.remove_suffix(1);
-    dataset_.unknown.push_back({std::string(line_.tag()), std::string(text), number});
+    dataset_.unknown.push_back({std::string(line_.tag()), std::string(without_line_end(text)), number});
     return;
   }
-  if (type->columns != 0 ? line_.size() != type->columns : line_.size() < 2)
+  const bool fits = type->columns != 0 ? line_.size() == type->columns || (type->other_columns != 0 && line_.size() == type->other_columns)
+                                       : line_.size() >= 2;
+  if (!fits)
     line_.error("found ", std::to_string(line_.size()), " columns; expected ",
-                type->columns != 0 ? std::to_string(type->columns) : "2 or more", ": ", type->layout);
+                type->columns != 0 ? std::to_string(type->columns) : "2 or more",
+                type->other_columns != 0 ? " (or " + std::to_string(type->other_columns) + ")" : "", ": ", type->layout);
   io::Record record = type->read(line_);
   check_ids();
-  std::visit([this](auto&& one) { add(std::forward<decltype(one)>(one)); }, std::move(record));
+  std::visit(
+      [&](auto&& one) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(one)>, Edge>)
+          add(std::forward<decltype(one)>(one), *type);
+        else
+          add(std::forward<decltype(one)>(one));
+      },
+      std::move(record));
   for (const io::Line::XId& x : line_.x_ids())
     if (x.is_symbol) dataset_.symbols.insert(x.key);
+  if (line_.reading.repair) dataset_.repairs.push_back(*line_.reading.repair);
+  if (line_.reading.no_noise) dataset_.no_noise.push_back(number);
 }
 
 Dataset LineParser::finish() {
@@ -72,7 +109,8 @@ Dataset LineParser::finish() {
     line.error("the edge names ", first->first.str(), ", which has no vertex in this file; expected a VERTEX line for every name");
   }
   Dataset done = std::move(dataset_);
-  *this = LineParser(done.format, done.name);
+  done.line_count = line_.number();
+  *this = LineParser(done.format, done.name, done.reading);
   return done;
 }
 
@@ -125,9 +163,22 @@ void LineParser::add(Vertex vertex) {
   dataset_.vertices.push_back(std::move(vertex));
 }
 
-void LineParser::add(Edge edge) {
-  if (const std::optional<std::uint64_t> offset = io::offset_of(edge.measurement)) check_offset(*offset);
-  const std::vector<KeyUse> uses = std::visit([](const auto& e) { return uses_of(e); }, edge.measurement);
+void LineParser::add(Edge edge, const RecordType& type) {
+  std::vector<const SensorOffset*> offsets;
+  bool all_identity = true;
+  for (const std::uint64_t id : line_.reading.offsets) {
+    offsets.push_back(&offset(id, type));
+    all_identity = all_identity && Pose3().local(offsets.back()->T_body_sensor).isZero(0);
+  }
+  if (!all_identity) io::mount(edge.measurement, offsets);
+  edge.tag = type.tag.data();
+  if (type.is_alias || !all_identity || line_.reading.no_noise)
+    edge.original = std::make_shared<Original>(Original{std::string(without_line_end(line_.text())), edge.measurement});
+  std::vector<KeyUse> uses = std::visit([](const auto& e) { return uses_of(e); }, edge.measurement);
+  if (dataset_.format == Format::G2o && std::holds_alternative<RangeEdge>(edge.measurement)) {  // EDGE_RANGE_SE2_XY
+    uses[0].type = VertexValue(Pose2()).index();
+    uses[1].type = VertexValue(Point2()).index();
+  }
   for (const KeyUse& key_use : uses)
     if (key_use.type) check_type(key_use.key, *key_use.type);
   for (const KeyUse& key_use : uses) use(key_use.key, key_use.type);
@@ -144,14 +195,14 @@ void LineParser::add(SensorOffset offset) {
   dataset_.offsets.push_back(offset);
 }
 
-void LineParser::check_offset(std::uint64_t id) const {
+const SensorOffset& LineParser::offset(std::uint64_t id, const RecordType& type) const {
   for (const SensorOffset& offset : dataset_.offsets) {
     if (offset.id != id) continue;
-    if (Pose3().local(offset.T_body_sensor).isZero(0)) return;
-    line_.error("sensor offset ", std::to_string(id), " (line ", std::to_string(offset.line),
-                ") is not the identity; expected a sensor at the body, move the measurement there");
+    if (offset.in_plane == is_in_plane_type(type.type)) return offset;
+    line_.error("sensor offset ", std::to_string(id), " (line ", std::to_string(offset.line), ") is ",
+                offset.in_plane ? "in the plane, the edge in space" : "in space, the edge in the plane", "; expected one of the same");
   }
-  line_.error("names sensor offset ", std::to_string(id), ", which no PARAMS_SE3OFFSET line above defines");
+  line_.error("names sensor offset ", std::to_string(id), ", which no PARAMS_SE3OFFSET or PARAMS_SE2OFFSET line above defines");
 }
 
 }  // namespace holdfast

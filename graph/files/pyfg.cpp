@@ -7,7 +7,9 @@ namespace {
 template <class V>
 constexpr auto vertex = vertex_line<Format::PyFG, V>;
 template <class E>
-constexpr auto edge = edge_line<Format::PyFG, E>;
+constexpr RecordType edge(std::string_view tag, std::size_t columns, const char* layout, std::size_t other_columns = 0) {
+  return edge_line<Format::PyFG, E>(tag, columns, layout, other_columns);
+}
 
 constexpr RecordType kLines[] = {
     vertex<Pose2>("VERTEX_SE2", 6, "VERTEX_SE2 time name x y angle"),
@@ -25,9 +27,17 @@ constexpr RecordType kLines[] = {
     edge<PriorEdge<Point3>>("VERTEX_XYZ:PRIOR", 12, "VERTEX_XYZ:PRIOR time name x y z, 6 covariances"),
 };
 
-const char* why_not(Holds holds, std::size_t) {
-  // A sensor offset is the identity, or it would not have been read: it says nothing.
-  return holds == Holds::sensor_offset ? nullptr : "it has no FIX line; clear `fixed`, or add a prior";
+const char* why_not(Holds holds, std::size_t type) {
+  switch (holds) {
+    case Holds::sensor_offset:
+      return nullptr;  // measurements are in the body's frame: it says nothing more
+    case Holds::edge:
+      return type == edge_type<BearingEdge>                                                      ? "it has no bearing"
+             : type == edge_type<PositionEdge<Point2>> || type == edge_type<PositionEdge<Point3>> ? "it has no prior on a position alone"
+                                                                                                  : "it has no step from point to point";
+    default:
+      return "it has no FIX line; clear `fixed`, or add a prior";
+  }
 }
 
 }  // namespace

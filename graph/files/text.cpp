@@ -67,6 +67,9 @@ void Line::assign(std::size_t number, std::string_view text) {
   text_ = text;
   columns_.clear();
   x_ids_.clear();
+  reading.offsets.clear();
+  reading.repair.reset();
+  reading.no_noise = false;
   cursor_ = 1;
   for (std::size_t i = 0; i < text.size();) {
     if (is_space(text[i])) {
@@ -114,6 +117,12 @@ Key Line::next_id() {
   return key;
 }
 
+Key Line::next_landmark_id() {
+  if (!reading.landmarks_apart) return next_id();
+  const std::uint64_t id = next_index("an id");
+  return id >> 32 == 0 ? Key('l', id) : Key::from_bits(id);
+}
+
 std::uint64_t Line::next_index(const char* what) {
   const std::string_view text = column(cursor_);
   std::uint64_t value = 0;
@@ -153,7 +162,8 @@ Text& Text::number(double value) {
 }
 
 Text& Text::id(Key key) {
-  const bool is_symbol = symbols_ != nullptr && !symbols_->empty() && symbols_->count(key) != 0;
+  const bool is_symbol = dataset_ != nullptr && !dataset_->symbols.empty() && dataset_->symbols.count(key) != 0;
+  if (dataset_ != nullptr && dataset_->landmarks_apart && key.agent() == 'l') return word(std::to_string(key.step()));
   return word(std::to_string(is_symbol ? key.bits() : key.id()));
 }
 

@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <deque>
 #include <holdfast/graph/detail/random.hpp>
 #include <holdfast/graph/require.hpp>
 #include <holdfast/graph/starts/start.hpp>
 #include <map>
 #include <optional>
+#include <set>
+#include <unordered_map>
 
 namespace holdfast {
 namespace {
@@ -25,6 +28,10 @@ class PoseTree {
         if (!node.prior) node.prior = prior->measured;
       } else if (const auto* point = std::get_if<RelativePointEdge<Point>>(&measurement)) {
         nodes_[point->pose];
+      } else if (const auto* position = std::get_if<PositionEdge<Point>>(&measurement)) {
+        nodes_[position->key];
+      } else if (const auto* bearing = std::get_if<BearingEdge>(&measurement); bearing != nullptr && Pose::space_dim == 2) {
+        nodes_[bearing->pose];
       }
     }
   }
@@ -112,6 +119,17 @@ void insert_points(const Dataset& dataset, double sigma, unsigned seed, Values& 
     }
   for (const Edge& edge : dataset.edges)
     if (const auto* prior = std::get_if<PriorEdge<Point>>(&edge.measurement)) points.try_emplace(prior->key, prior->measured);
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (const Edge& edge : dataset.edges) {
+      const auto* step = std::get_if<RelativePoseEdge<Point>>(&edge.measurement);
+      if (step == nullptr || points.count(step->first) == points.count(step->second)) continue;
+      const bool forwards = points.count(step->first) != 0;
+      const Point& from = points.at(forwards ? step->first : step->second);
+      points.emplace(forwards ? step->second : step->first, Point((from.value + (forwards ? 1 : -1) * step->measured.value).eval()));
+      grows = true;
+    }
+  }
   for (const auto& [key, point] : points) values.insert(key, point);
 }
 
@@ -141,31 +159,148 @@ Values make_start(const Dataset& dataset, double landmark_sigma, unsigned seed, 
 
 }  // namespace
 
-std::vector<bool> odometry_edges(const Dataset& dataset) {
-  std::map<Key, Key> next;  // of every pose; built from the sorted poses
-  const auto add_pose = [&](Key key) { next.emplace(key, key); };
-  for (const Vertex& vertex : dataset.vertices)
-    if (std::holds_alternative<Pose2>(vertex.value) || std::holds_alternative<Pose3>(vertex.value)) add_pose(vertex.key);
-  const auto ends = [](const Edge& edge) -> std::optional<std::pair<Key, Key>> {
-    if (const auto* plane = std::get_if<RelativePoseEdge<Pose2>>(&edge.measurement)) return std::pair{plane->first, plane->second};
-    if (const auto* space = std::get_if<RelativePoseEdge<Pose3>>(&edge.measurement)) return std::pair{space->first, space->second};
-    return std::nullopt;
-  };
-  for (const Edge& edge : dataset.edges)
-    if (const auto pair = ends(edge)) {
-      add_pose(pair->first);
-      add_pose(pair->second);
-    }
-  for (auto it = next.begin(); it != next.end(); ++it)
-    if (const auto after = std::next(it); after != next.end() && after->first.agent() == it->first.agent()) it->second = after->first;
+namespace {
 
-  std::vector<bool> is_odometry;
-  is_odometry.reserve(dataset.edges.size());
-  for (const Edge& edge : dataset.edges) {
-    const auto pair = ends(edge);
-    is_odometry.push_back(pair && pair->first != pair->second && next.at(pair->first) == pair->second);
+double median(std::vector<double> numbers) {
+  if (numbers.empty()) return 0;
+  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+  std::nth_element(numbers.begin(), middle, numbers.end());
+  return *middle;
+}
+
+std::optional<std::pair<Key, Key>> ends_of(const Measurement& measurement) {
+  if (const auto* plane = std::get_if<RelativePoseEdge<Pose2>>(&measurement)) return std::pair{plane->first, plane->second};
+  if (const auto* space = std::get_if<RelativePoseEdge<Pose3>>(&measurement)) return std::pair{space->first, space->second};
+  return std::nullopt;
+}
+
+bool stands_under_a_switch(const Edge& edge) {
+  const std::string_view tag = edge.tag;
+  return tag.find("_SWITCHABLE") != std::string_view::npos || tag.find("_MAXMIX") != std::string_view::npos;
+}
+
+class Consecutive {
+ public:
+  explicit Consecutive(const Dataset& dataset) : dataset_(dataset) {
+    for (const Vertex& vertex : dataset.vertices) {
+      if (std::holds_alternative<Pose2>(vertex.value) || std::holds_alternative<Pose3>(vertex.value)) {
+        next_.emplace(vertex.key, vertex.key);
+        vertices_.emplace(vertex.key, &vertex.value);
+      } else {
+        others_.insert(vertex.key);
+      }
+    }
+    for (const Edge& edge : dataset.edges)
+      if (const auto ends = ends_of(edge.measurement)) {
+        next_.emplace(ends->first, ends->first);
+        next_.emplace(ends->second, ends->second);
+      }
+    for (const Edge& edge : dataset.edges)
+      for (Key key : keys_of(edge.measurement))
+        if (next_.count(key) == 0) others_.insert(key);
+    find_next();
   }
-  return is_odometry;
+
+  std::vector<bool> edges() {
+    std::vector<bool> chosen(dataset_.edges.size(), false);
+    std::map<Agent, std::vector<Candidate>> agents;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const Edge& edge = dataset_.edges[i];
+      const auto ends = ends_of(edge.measurement);
+      if (!ends || stands_under_a_switch(edge) || !follows(ends->first, ends->second)) continue;
+      chosen[i] = true;
+      agents[ends->first.agent()].push_back(compare(i, edge.measurement));
+    }
+    for (const auto& [agent, candidates] : agents) leave_out_seams(candidates, chosen);
+    return chosen;
+  }
+
+ private:
+  /// How an edge and the vertices of its ends differ.
+  struct Candidate {
+    std::size_t edge;
+    bool has_vertices = false;
+    double step = 0;      ///< between the vertices [m]
+    double apart = 0;     ///< [m]
+    double in_sigmas = 0;
+  };
+
+  void find_next() {
+    std::map<Agent, std::vector<double>> gaps;
+    for (auto it = next_.begin(); it != next_.end(); ++it) {
+      const auto after = std::next(it);
+      if (after == next_.end() || after->first.agent() != it->first.agent()) continue;
+      it->second = after->first;
+      gaps[it->first.agent()].push_back(gap(it->first, after->first));
+    }
+    for (const auto& [agent, all] : gaps) usual_gap_[agent] = median(all);
+  }
+  /// Steps from one to the next but those that belong to landmarks.
+  double gap(Key from, Key to) const {
+    double steps = static_cast<double>(to.step()) - static_cast<double>(from.step());
+    for (auto it = others_.upper_bound(from); it != others_.end() && *it < to; ++it) --steps;
+    return steps;
+  }
+  bool follows(Key a, Key b) const {
+    if (b < a) std::swap(a, b);
+    if (a == b || next_.at(a) != b) return false;
+    return gap(a, b) <= 5 * usual_gap_.at(a.agent());
+  }
+  Candidate compare(std::size_t i, const Measurement& measurement) const {
+    Candidate candidate{i};
+    if (const auto* plane = std::get_if<RelativePoseEdge<Pose2>>(&measurement)) compare(*plane, candidate);
+    if (const auto* space = std::get_if<RelativePoseEdge<Pose3>>(&measurement)) compare(*space, candidate);
+    return candidate;
+  }
+  template <class V>
+  void compare(const RelativePoseEdge<V>& edge, Candidate& candidate) const {
+    const auto first = vertices_.find(edge.first), second = vertices_.find(edge.second);
+    if (first == vertices_.end() || second == vertices_.end()) return;
+    const V* a = std::get_if<V>(first->second);
+    const V* b = std::get_if<V>(second->second);
+    if (a == nullptr || b == nullptr) return;
+    const V error = edge.measured.inverse() * (a->inverse() * *b);
+    const Vector<V::dim> deviation = V().local(error);
+    candidate.has_vertices = true;
+    candidate.step = (b->p - a->p).norm();
+    candidate.apart = error.p.norm();
+    candidate.in_sigmas = std::sqrt(std::max(0.0, deviation.dot(edge.information() * deviation)));
+  }
+  static void leave_out_seams(const std::vector<Candidate>& candidates, std::vector<bool>& chosen) {
+    std::vector<double> steps, sigmas;
+    for (const Candidate& one : candidates) {
+      if (!one.has_vertices) continue;
+      steps.push_back(one.step);
+      sigmas.push_back(one.in_sigmas);
+    }
+    const double usual_step = median(steps), usual_sigmas = median(sigmas);
+    for (const Candidate& one : candidates)
+      if (one.has_vertices && one.apart > usual_step && one.in_sigmas > 10 && one.in_sigmas > 10 * usual_sigmas) chosen[one.edge] = false;
+  }
+
+  const Dataset& dataset_;
+  std::map<Key, Key> next_;  ///< of every pose the next of its agent
+  std::set<Key> others_;     ///< that are no poses
+  std::map<Agent, double> usual_gap_;
+  std::unordered_map<Key, const VertexValue*> vertices_;
+};
+
+}  // namespace
+
+OdometryRule odometry_rule(const std::string& text) {
+  if (text == "consecutive") return {};
+  if (text == "none") return {OdometryRule::Kind::none};
+  if (text.empty()) fail<BadOption>("the odometry rule is empty; give consecutive, none, or the tag of its lines");
+  return {OdometryRule::Kind::tag, text};
+}
+
+std::vector<bool> odometry_edges(const Dataset& dataset, const OdometryRule& rule) {
+  if (rule.kind == OdometryRule::Kind::consecutive) return Consecutive(dataset).edges();
+  std::vector<bool> chosen(dataset.edges.size(), false);
+  if (rule.kind == OdometryRule::Kind::none) return chosen;
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    chosen[i] = ends_of(dataset.edges[i].measurement) && dataset.edges[i].tag == rule.tag;
+  return chosen;
 }
 
 Values vertex_start(const Dataset& dataset) {

@@ -10,14 +10,29 @@
 
 #include <holdfast/graph/files/dataset.hpp>
 #include <holdfast/graph/values.hpp>
+#include <string>
 #include <vector>
 
 namespace holdfast {
 
-/// For each edge of the dataset: is it odometry? That is a relative pose from one pose of an agent to the next pose this agent has
-/// (by step; steps may have gaps). Agents are pairs of kind and number, so ids that are symbols keep robots apart; the poses 0, 1, … of
-/// a g2o or TORO file are of one agent.
-std::vector<bool> odometry_edges(const Dataset& dataset);
+/// Which relative poses are odometry.
+struct OdometryRule {
+  enum class Kind { consecutive, none, tag };
+  Kind kind = Kind::consecutive;
+  std::string tag = {};  ///< kind tag: the relative poses whose lines have this tag
+};
+
+/// "consecutive", "none", or a tag.
+OdometryRule odometry_rule(const std::string& text);
+
+/// For each edge of the dataset: is it odometry? By the rule `consecutive`, a relative pose between one pose of an agent and the next pose
+/// this agent has (by step; steps may have gaps), in either direction. Agents are pairs of kind and number, so ids that are symbols keep
+/// robots apart; the poses 0, 1, … of a g2o or TORO file are of one agent, whose sessions are told apart:
+///   - over a gap in the steps of more than 5 × the agent's median gap (steps of other variables do not count) there is none;
+///   - nor where the vertices say that the next pose begins elsewhere: the edge and they differ by more than the agent's median step, by
+///     more than 10 sigma, and by more than 10 × the median of its other edges.
+/// A switchable or mixture edge is none.
+std::vector<bool> odometry_edges(const Dataset& dataset, const OdometryRule& rule = {});
 
 /// The vertices of the file; poses and landmarks without one are completed from the edges.
 Values vertex_start(const Dataset& dataset);

@@ -16,6 +16,10 @@ struct RecordType {
   Holds holds;
   std::size_t type = 0;       ///< alternative of VertexValue or of Measurement
   bool names_offset = false;  ///< g2o: a column with the id of a SensorOffset
+  /// Other counts of columns that are read: without the information, or as another program writes it.
+  std::size_t other_columns = 0;
+  /// Another name, or a line that says more than the record: read, never chosen by the writer, which gives its text back.
+  bool is_alias = false;
 };
 
 struct Dialect {
@@ -53,10 +57,17 @@ constexpr RecordType vertex_line(std::string_view tag, std::size_t columns, cons
   return {tag, columns, layout, [](Line& line) -> Record { return read_vertex<V>(line, format); }, Holds::vertex, vertex_type<V>};
 }
 /// E: RelativePoseEdge<Pose2>, …; names_offset: the line names a sensor offset.
-template <Format format, class E, bool names_offset = false>
-constexpr RecordType edge_line(std::string_view tag, std::size_t columns, const char* layout) {
-  return {tag,         columns,      layout,      [](Line& line) -> Record { return read_edge<E>(line, format, names_offset); },
-          Holds::edge, edge_type<E>, names_offset};
+template <Format format, class E, bool names_offset = false, bool is_alias = false>
+constexpr RecordType edge_line(std::string_view tag, std::size_t columns, const char* layout, std::size_t other_columns = 0) {
+  return {tag,         columns,      layout,       [](Line& line) -> Record { return read_edge<E>(line, format, names_offset); },
+          Holds::edge, edge_type<E>, names_offset, other_columns,
+          is_alias};
+}
+/// A line that a function of its own reads into an edge of type E; its text is kept.
+template <class E>
+constexpr RecordType special_line(std::string_view tag, std::size_t columns, const char* layout, Record (*read)(Line&),
+                                  std::size_t other_columns = 0) {
+  return {tag, columns, layout, read, Holds::edge, edge_type<E>, false, other_columns, true};
 }
 
 // ---- finding

@@ -16,16 +16,20 @@ struct RecordType;
 ///   while (std::getline(std::cin, line)) { parser.parse(line); … parser.dataset() … }
 class LineParser {
  public:
-  LineParser(Format format, std::string name);
+  LineParser(Format format, std::string name, const ReadOptions& options = {});
 
-  /// Appends what the next line holds: one record, nothing (blank, comment), or an unknown line. Throws BadFile where the line
+  /// g2o: ids of landmarks are numbered apart from those of poses: 0 is x0 as a pose and l0 as a landmark. Before the first line.
+  void set_landmarks_apart();
+
+  /// Appends what the next line holds: one record, a comment or blank line, or an unknown line. Throws BadFile where the line
   ///  - has too few or too many columns, something that is no finite number, a quaternion not of norm 1 (within 1e-3; normalised),
-  ///    a matrix or variance that is not positive definite, a negative distance, an id that is no integer >= 0;
+  ///    a covariance or variance that is not positive definite, an information that is not positive semidefinite (unless
+  ///    ReadOptions::repair), a negative distance, an id that is no integer >= 0;
   ///  - is of another dialect (a tag of TORO in a g2o file, names of PyFG in a g2o file, …);
   ///  - names a variable by another id than an earlier line did (g2o, TORO: 5 and gtsam::Symbol('x', 5) are one key);
   ///  - defines a vertex again, goes from a key to itself, or uses a key as another type than an earlier line did (pose or point, 2D or
   ///  3D);
-  ///  - names a sensor offset that is not defined above it or is not the identity (g2o).
+  ///  - names a sensor offset that is not defined above it, or one of the other dimension (g2o).
   void parse(std::string_view text);
   /// The same with a line number of the caller's.
   void parse(std::size_t number, std::string_view text);
@@ -52,12 +56,12 @@ class LineParser {
   };
 
   void add(Vertex vertex);
-  void add(Edge edge);
+  void add(Edge edge, const io::RecordType& type);
   void add(const std::vector<Fixed>& fixed);
   void add(SensorOffset offset);
   void check_ids();
   void check_foreign() const;
-  void check_offset(std::uint64_t id) const;
+  const SensorOffset& offset(std::uint64_t id, const io::RecordType& type) const;
   void check_type(Key key, std::size_t type) const;
   void use(Key key, std::optional<std::size_t> type);
 

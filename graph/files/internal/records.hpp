@@ -36,12 +36,17 @@ Columns columns_of(const V& value, const Columns& columns, Format format) {
 
 template <class V>
 Columns read_columns(Line& line, Format format);
-/// Upper triangle row by row (TORO in the plane: 11 12 22 33 13 23); an error where it is not positive definite.
+/// Upper triangle row by row (TORO in the plane: 11 12 22 33 13 23); the identity where the line ends before it. An error where a
+/// covariance is not positive definite or an information not positive semidefinite, unless it is repaired.
 template <int N>
 MatrixNoise<N> read_noise(Line& line, Format format);
+/// The same of a matrix that is read.
+template <int N>
+void check_noise(Line& line, MatrixNoise<N>& noise);
 Key read_key(Line& line, Format format);
+Key read_landmark(Line& line, Format format);
 /// Two keys, an error where they are the same.
-std::pair<Key, Key> read_keys(Line& line, Format format);
+std::pair<Key, Key> read_keys(Line& line, Format format, bool to_landmark = false);
 
 /// Does the edge have a place for the id of a sensor offset?
 template <class E, class = void>
@@ -60,7 +65,7 @@ std::optional<double> read_time(Line& line, bool is_there);
 template <class V>
 Vertex read_vertex(Line& line, Format format) {
   const std::optional<double> time = read_time(line, has_time(format, V::dim == V::space_dim));
-  Vertex vertex{read_key(line, format), V(), read_columns<V>(line, format), time, line.number()};
+  Vertex vertex{V::dim == V::space_dim ? read_landmark(line, format) : read_key(line, format), V(), read_columns<V>(line, format), time, line.number()};
   vertex.value = decode<V>(vertex.columns);
   return vertex;
 }
@@ -72,11 +77,15 @@ void read_keys(Line& line, Format format, RelativePoseEdge<V>& edge) {
 }
 template <class P>
 void read_keys(Line& line, Format format, RelativePointEdge<P>& edge) {
-  std::tie(edge.pose, edge.landmark) = read_keys(line, format);
+  std::tie(edge.pose, edge.landmark) = read_keys(line, format, true);
+}
+template <class P>
+void read_keys(Line& line, Format format, PositionEdge<P>& edge) {
+  edge.key = read_key(line, format);
 }
 template <class V>
 void read_keys(Line& line, Format format, PriorEdge<V>& edge) {
-  edge.key = read_key(line, format);
+  edge.key = V::dim == V::space_dim ? read_landmark(line, format) : read_key(line, format);
 }
 template <class E>
 void read_numbers(Line& line, Format format, E& edge) {
@@ -86,6 +95,12 @@ void read_numbers(Line& line, Format format, E& edge) {
   edge.noise = read_noise<V::dim>(line, format);
 }
 void read_range(Line& line, Format format, RangeEdge& edge);
+void read_bearing(Line& line, Format format, BearingEdge& edge);
+
+/// The edge as it is in the body, where its line names sensors that are not at the body. offsets: in the order of the line.
+void mount(Measurement& measurement, const std::vector<const SensorOffset*>& offsets);
+/// Bit by bit.
+bool is_same(const Measurement& a, const Measurement& b);
 
 /// An edge's line: time (PyFG), keys, the id of a sensor offset (g2o, where the line has one), numbers.
 template <class E>
@@ -94,10 +109,15 @@ Edge read_edge(Line& line, Format format, bool names_offset) {
   E edge;
   if constexpr (std::is_same_v<E, RangeEdge>) {
     read_range(line, format, edge);
+  } else if constexpr (std::is_same_v<E, BearingEdge>) {
+    read_bearing(line, format, edge);
   } else {
     read_keys(line, format, edge);
     if constexpr (HasOffset<E>::value)
-      if (names_offset) edge.offset = line.next_index("the id of a sensor offset");
+      if (names_offset) {
+        edge.offset = line.next_index("the id of a sensor offset");
+        line.reading.offsets.push_back(*edge.offset);
+      }
     read_numbers(line, format, edge);
   }
   return {edge, time, line.number()};
@@ -106,7 +126,7 @@ Edge read_edge(Line& line, Format format, bool names_offset) {
 /// The columns of a value, and its noise in the convention of `format`, into the line being written.
 void write_columns(Text& text, const Columns& columns);
 template <int N>
-void write_noise(Text& text, const MatrixNoise<N>& noise);
+void write_noise(Text& text, const MatrixNoise<N>& noise, bool toro_rows = false);
 template <class V>
 void write_value(Text& text, const V& value, const Columns& columns, Format format) {
   write_columns(text, columns_of(value, columns, format));
@@ -117,9 +137,6 @@ void write_id(Text& text, Key key, Format format, const std::string& record);
 void write_name(Text& text, Key key, const std::string& record);
 /// A name in PyFG, else an id.
 void write_key(Text& text, Key key, Format format, const std::string& record);
-/// The unknown lines, which only their own format takes back.
-void write_unknown(Text& text, const Dataset& dataset, Format format);
-
 /// BadFile: a record that `format` has no line for.
 [[noreturn]] void cannot_hold(Format format, const std::string& record, const std::string& why);
 std::string describe(const Vertex& vertex);

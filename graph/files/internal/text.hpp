@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <holdfast/graph/error.hpp>
+#include <holdfast/graph/files/dataset.hpp>
 #include <holdfast/graph/key.hpp>
 #include <string>
 #include <string_view>
-#include <unordered_set>
 #include <vector>
 
 namespace holdfast::io {
@@ -51,6 +51,7 @@ class Line {
   double next_number(const char* what);        ///< finite
   Key next_name();                             ///< A11, or r1234:7
   Key next_id();                               ///< Key::from_id: 11 → x11
+  Key next_landmark_id();                      ///< the same; 11 → l11 where landmarks are numbered apart
   std::uint64_t next_index(const char* what);  ///< an integer >= 0 below 2^64
 
   /// What next_id() made keys x… of on this line: a plain number, or (is_symbol) the 64 bits of the key.
@@ -59,6 +60,16 @@ class Line {
     bool is_symbol;
   };
   const std::vector<XId>& x_ids() const { return x_ids_; }
+
+  /// How the file is read, and what its reading has found out about this line.
+  struct Reading {
+    ReadOptions options;
+    bool landmarks_apart = false;
+    std::vector<std::uint64_t> offsets;  ///< the sensor offsets that the line names
+    std::optional<Repair> repair;
+    bool no_noise = false;
+  };
+  Reading reading;
 
   template <class... Parts>
   [[noreturn]] void error(const Parts&... parts) const {
@@ -82,16 +93,17 @@ bool is_integer(std::string_view text);
 class Text {
  public:
   Text() = default;
-  /// symbols: Dataset::symbols, for id(); must live as long.
-  explicit Text(const std::unordered_set<Key>& symbols) : symbols_(&symbols) {}
+  /// Ids as this dataset has them (symbols, landmarks_apart); it must live as long.
+  explicit Text(const Dataset& dataset) : dataset_(&dataset) {}
   Text& word(std::string_view text);
   Text& number(double value);  ///< BadFile naming the line so far where it is not finite
   Text& id(Key key);           ///< Key::id(), or the bits of one of the symbols; BadKey where the key has no id
   void end_line();
+  std::size_t size() const { return text_.size(); }
   std::string take() { return std::move(text_); }
 
  private:
-  const std::unordered_set<Key>* symbols_ = nullptr;
+  const Dataset* dataset_ = nullptr;
   std::string text_;
   std::size_t line_start_ = 0;
 };
