@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <fstream>
 #include <holdfast/adapters/files/range_start.hpp>
+#include <holdfast/adapters/files/report.hpp>
 #include <holdfast/common/instance.hpp>
 #include <holdfast/graph/files/files.hpp>
 #include <holdfast/graph/files/tum.hpp>
@@ -44,15 +45,6 @@ Values true_beacons(const std::string& path) {
 
 bool is_rawlog(const std::string& path) { return fs::path(path).extension() == ".rawlog"; }
 
-Dataset read_any(const std::string& path) {
-  if (!is_rawlog(path)) return read_dataset(path);
-#ifdef HOLDFAST_WITH_MRPT
-  return located_by_ranges(read_rawlog(path));
-#else
-  fail<BadFile>(path, ": this build has no MRPT, which reads .rawlog files; configure with -DHOLDFAST_MRPT=ON");
-#endif
-}
-
 /// What is known of the answer: a PyFG file's own vertices, else the file of the same name that mrpt-common puts beside its data.
 Values truth_of(const Dataset& dataset, const std::string& path) {
   if (dataset.format == Format::PyFG) return true_poses(dataset);
@@ -64,14 +56,27 @@ Values truth_of(const Dataset& dataset, const std::string& path) {
 
 }  // namespace
 
-FileProblem load(const std::string& path, const ProblemOptions& options) {
-  const Dataset dataset = read_any(path);
+Dataset read_any(const std::string& path, const ReadOptions& reading) {
+  if (!is_rawlog(path)) return read_dataset(path, reading);
+#ifdef HOLDFAST_WITH_MRPT
+  return located_by_ranges(read_rawlog(path));
+#else
+  fail<BadFile>(path, ": this build has no MRPT, which reads .rawlog files; configure with -DHOLDFAST_MRPT=ON");
+#endif
+}
+
+FileProblem load(const std::string& path, const ProblemOptions& options, const ReadOptions& reading) {
+  Dataset dataset = read_any(path, reading);
   try {
     Problem problem = make_problem(dataset, options);
-    return {{std::move(problem.graph), std::move(problem.start), truth_of(dataset, path)},
-            vertex_times(dataset),
-            unknown_report(dataset),
-            problem.relaxed ? problem.relaxed->str() : ""};
+    FileProblem result{{std::move(problem.graph), std::move(problem.start), truth_of(dataset, path)},
+                       vertex_times(dataset),
+                       unknown_report(dataset),
+                       problem.relaxed ? problem.relaxed->str() : "",
+                       use_report(dataset, options.odometry),
+                       check(dataset)};
+    result.dataset = std::move(dataset);
+    return result;
   } catch (const Error& error) {  // these name the record, but the user gave several files
     fail<BadFile>(path, ": ", error.what());
   }

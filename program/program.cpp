@@ -51,6 +51,8 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
   TrackArguments track_arguments;
   const CLI::App* track_command = add_track(app, track_arguments);
   const CLI::App* check_command = add_check(app, check_arguments);
+  ConvertArguments convert_arguments;
+  const CLI::App* convert_command = add_convert(app, convert_arguments);
   add_bench(app, bench_arguments);
   try {
     app.parse(argc, argv);
@@ -64,6 +66,7 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
     if (solve_command->parsed()) return solve(solve_arguments, terminal);
     if (track_command->parsed()) return track(track_arguments, std::cin, terminal);
     if (check_command->parsed()) return check_file(check_arguments, terminal);
+    if (convert_command->parsed()) return convert(convert_arguments, terminal);
     return bench(bench_arguments, terminal);
   };
   try {

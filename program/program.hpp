@@ -1,4 +1,4 @@
-// The program `holdfast`: solve, track, check, bench. main() only calls run(), so that tests run the same in their own process.
+// The program `holdfast`: solve, track, check, convert, bench. main() only calls run(), so that tests run the same in their own process.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -22,7 +22,19 @@ enum Exit : int {
 /// Never throws, never aborts for bad input: whatever is wrong is a message on `err` and an exit code.
 int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err);
 
+/// How a file is read.
+struct ReadingArguments {
+  std::string g2o_rotations = "half";
+  std::string toro_order = "toro";
+  std::string isam_noise = "root";
+  std::string indefinite = "refuse";
+  std::string odometry = "consecutive";
+};
+void add_reading(CLI::App& command, ReadingArguments& arguments);
+ReadOptions read_options(const ReadingArguments& arguments);
+
 struct SolveArguments {
+  ReadingArguments reading;
   std::vector<std::string> files;
   std::string backends = "all";
   std::string loss = "squared";
@@ -34,6 +46,7 @@ struct SolveArguments {
   unsigned seed = 0;
   std::string json;
   std::string tum;
+  std::string output;
   bool pcm = false;
   bool certify = false;
 };
@@ -62,10 +75,21 @@ CLI::App* add_track(CLI::App& app, TrackArguments& arguments);
 int track(const TrackArguments& arguments, std::istream& in, Terminal& terminal);
 
 struct CheckArguments {
+  ReadingArguments reading;
   std::string file;
 };
 CLI::App* add_check(CLI::App& app, CheckArguments& arguments);
 int check_file(const CheckArguments& arguments, Terminal& terminal);
+
+struct ConvertArguments {
+  std::string in, out;
+  std::string to;
+  ReadingArguments reading;
+};
+CLI::App* add_convert(CLI::App& app, ConvertArguments& arguments);
+int convert(const ConvertArguments& arguments, Terminal& terminal);
+/// Writes a dataset in the format `to`, else that of the path's ending, else its own; returns what was changed or left out.
+std::vector<std::string> write_converted(const std::string& path, const Dataset& dataset, const std::string& to);
 
 struct BenchArguments {
   std::vector<std::string> suites;

@@ -9,6 +9,7 @@
 #include <holdfast/solvers/certificate.hpp>
 #include <holdfast/solvers/pairwise_consistency.hpp>
 #include <holdfast/solvers/table.hpp>
+#include <limits>
 #include <set>
 
 namespace holdfast::program {
@@ -37,6 +38,11 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
                     "leave out loop closures that disagree with most others before solving (pairwise consistency, maximum clique)");
   command->add_flag("--certify", arguments.certify,
                     "lower bound, gap and verdict for each answer: is it the global minimum? (squared pose graphs; loose for ranges)");
+  command->add_option(
+      "--output", arguments.output,
+      "write the file with the answer as its vertices (of several back-ends the one of the lowest cost); the name's ending says "
+      "the format");
+  add_reading(*command, arguments.reading);
   command->add_option("--tum", arguments.tum, "write the trajectories to DIR/<file>_<back-end>/<agent>.tum");
   return command;
 }
@@ -55,6 +61,8 @@ Plan plan_of(const SolveArguments& arguments) {
   plan.problem.loss = Loss::parse(arguments.loss);
   plan.problem.start = start_named(arguments.start);
   plan.problem.seed = arguments.seed;
+  plan.problem.odometry = odometry_rule(arguments.reading.odometry);
+  if (!arguments.output.empty() && arguments.files.size() > 1) fail<BadOption>("--output names one file; give one FILE to solve");
   plan.backends = backends_of(arguments.backends);
   plan.options.threads = arguments.threads;
   plan.options.max_iterations = arguments.max_iterations;
@@ -101,7 +109,7 @@ class Solver {
   void try_file(const std::string& file, const std::string& stem) {
     try {
       bar_.begin("reading " + file);
-      FileProblem problem = load(file, plan_.problem);
+      FileProblem problem = load(file, plan_.problem, read_options(arguments_.reading));
       pcm_.clear();
       if (arguments_.pcm) leave_out_inconsistent(problem.instance.graph);
       solve_file(file, stem, problem);
@@ -114,10 +122,13 @@ class Solver {
 
   void solve_file(const std::string& file, const std::string& stem, const FileProblem& problem) {
     if (!problem.unknown.empty()) terminal_.err << "holdfast: warning: " << problem.unknown << '\n';
+    for (const Finding& finding : problem.findings) terminal_.err << "holdfast: warning: " << finding.text << '\n';
     log(file + ": " + std::to_string(problem.instance.start.size()) + " variables, " + std::to_string(problem.instance.graph.size()) +
         " factors");
     std::vector<Json> runs;
     certificates_.clear();
+    Values best;
+    double least = std::numeric_limits<double>::infinity();
     for (const std::string& backend : plan_.backends) {
       bar_.begin(file + " " + backend);
       Task task{file, plan_.problem.loss.str(), arguments_.start, backend, arguments_.seed, plan_.options};
@@ -130,10 +141,17 @@ class Solver {
       if (arguments_.pcm) runs.back()["pcm_rejected"] = rejected_loops_;
       if (arguments_.certify && run.summary.usable()) certify_answer(problem.instance.graph, answer, runs.back());
       bar_.done_with_one();
+      if (run.summary.usable() && run.summary.cost < least && !arguments_.output.empty()) {
+        least = run.summary.cost;
+        best = answer;
+      }
       if (run.summary.usable() && !arguments_.tum.empty())
         write_tum_directory((fs::path(arguments_.tum) / (stem + "_" + backend)).string(), answer, problem.times);
     }
     bar_.clear();
+    if (best.size() > 0)
+      for (const std::string& note : write_converted(arguments_.output, with_values(problem.dataset, best), ""))
+        terminal_.err << "holdfast: note: " << note << '\n';
     print(file, problem, runs);
     lines_.insert(lines_.end(), runs.begin(), runs.end());
   }
@@ -176,6 +194,7 @@ class Solver {
     if (arguments_.start == "odometry") terminal_.out << " (seed " << arguments_.seed << ")";
     terminal_.out << ", tolerance " << arguments_.tolerance << ", threads " << arguments_.threads << '\n';
     if (!pcm_.empty()) terminal_.out << pcm_ << '\n';
+    terminal_.out << "read: " << problem.used << '\n';
     if (!problem.start.empty()) terminal_.out << "start: " << problem.start << '\n';
     print_solve(terminal_.out, runs);
     print_differences(terminal_.out, runs);

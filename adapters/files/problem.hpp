@@ -11,11 +11,11 @@ namespace holdfast {
 
 struct ProblemOptions {
   enum class Start { file, odometry, chordal, convex };
-  Loss loss;                  ///< of every measurement but the odometry between consecutive poses and the priors
-  Start start = Start::file;  ///< vertex_start or odometry_start (graph/starts/start.hpp), chordal_start (graph/starts/chordal.hpp), or
-                              ///< relaxed_start (solvers/convex_start.hpp) with the rotations of chordal_start
-  unsigned seed = 0;          ///< of the landmarks' start in odometry_start
-  OdometryRule odometry;      ///< which relative poses are odometry, and so under no loss
+  Loss loss;                   ///< of every measurement but the odometry between consecutive poses and the priors
+  Start start = Start::file;   ///< vertex_start or odometry_start (graph/starts/start.hpp), chordal_start (graph/starts/chordal.hpp), or
+                               ///< relaxed_start (solvers/convex_start.hpp) with the rotations of chordal_start
+  unsigned seed = 0;           ///< of the landmarks' start in odometry_start
+  OdometryRule odometry = {};  ///< which relative poses are odometry, and so under no loss
 };
 
 /// "file", "odometry", "chordal" or "convex"; else BadOption.

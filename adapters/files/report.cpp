@@ -89,10 +89,9 @@ void find_times(const Dataset& dataset, std::vector<Finding>& findings) {
     const auto& [first, second] = pairs.front();
     std::ostringstream text;
     text.precision(17);
-    text << counted(pairs.size(), "pose", "poses") << ' ' << what << " the pose before: "
-         << listed(pairs,
-                   [](const auto& pair) { return pair.second.str() + " after " + pair.first.str(); })
-         << " (" << first.str() << " at " << times.at(first) << " s, " << second.str() << " at " << times.at(second) << " s); " << cure;
+    text << counted(pairs.size(), "pose", "poses") << ' ' << what
+         << " the pose before: " << listed(pairs, [](const auto& pair) { return pair.second.str() + " after " + pair.first.str(); }) << " ("
+         << first.str() << " at " << times.at(first) << " s, " << second.str() << " at " << times.at(second) << " s); " << cure;
     std::vector<Key> keys;
     for (const auto& pair : pairs) keys.push_back(pair.second);
     findings.push_back({Finding::Kind::bad_time, Finding::Severity::warning, text.str(), keys});
@@ -119,7 +118,8 @@ void find_repairs(const Dataset& dataset, std::vector<Finding>& findings) {
 
 void find_no_noise(const Dataset& dataset, std::vector<Finding>& findings) {
   if (dataset.no_noise.empty()) return;
-  findings.push_back({Finding::Kind::no_noise, Finding::Severity::warning,
+  findings.push_back({Finding::Kind::no_noise,
+                      Finding::Severity::warning,
                       counted(dataset.no_noise.size(), "edge has no information", "edges have no information") +
                           ", it was taken for the identity (1 m, 1 rad): the first in line " + std::to_string(dataset.no_noise.front()),
                       {}});
@@ -130,7 +130,8 @@ void find_isam_noise(const Dataset& dataset, std::vector<Finding>& findings) {
   for (const Edge& edge : dataset.edges) {
     const std::string_view tag = edge.tag;
     if (tag != "ODOMETRY" && tag != "LANDMARK") continue;
-    findings.push_back({Finding::Kind::isam_noise, Finding::Severity::warning,
+    findings.push_back({Finding::Kind::isam_noise,
+                        Finding::Severity::warning,
                         "the numbers after ODOMETRY and LANDMARK were taken for square roots of informations, as iSAM has them: where they "
                         "are covariances (GTSAM's victoria_park.txt) or informations, say --isam-noise covariance or information",
                         {}});

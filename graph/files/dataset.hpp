@@ -207,7 +207,7 @@ struct Edge {
 
 struct Original {
   std::string text;
-  Measurement measurement;
+  std::vector<Measurement> measurements;  ///< of the edges of this line, which share it
 };
 
 /// One key of a FIX line; a key may be fixed more than once.
@@ -262,12 +262,12 @@ struct Dataset {
   std::vector<UnknownLine> unknown;
   /// g2o and TORO: the keys x<n> whose id in the file is gtsam::Symbol('x', n), not the number n; they are written so again.
   std::unordered_set<Key> symbols;
-  ReadOptions reading;                 ///< how it was read; a writer of the same format writes it so again
-  std::vector<KeptLine> comments;      ///< and blank lines
+  ReadOptions reading;             ///< how it was read; a writer of the same format writes it so again
+  std::vector<KeptLine> comments;  ///< and blank lines
   std::vector<Repair> repairs;
-  std::vector<std::size_t> no_noise;   ///< lines of edges without an information: taken for the identity
-  bool landmarks_apart = false;        ///< g2o: ids of landmarks are numbered apart from those of poses (GTSAM): id 0 is x0 and l0
-  std::size_t line_count = 0;          ///< of the file
+  std::vector<std::size_t> no_noise;  ///< lines of edges without an information: taken for the identity
+  bool landmarks_apart = false;       ///< g2o: ids of landmarks are numbered apart from those of poses (GTSAM): id 0 is x0 and l0
+  std::size_t line_count = 0;         ///< of the file
 };
 
 /// The unknown tags in the order of their first line.

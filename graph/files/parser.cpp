@@ -87,7 +87,10 @@ void LineParser::parse(std::size_t number, std::string_view text) {
   check_ids();
   std::visit(
       [&](auto&& one) {
-        if constexpr (std::is_same_v<std::decay_t<decltype(one)>, Edge>)
+        using R = std::decay_t<decltype(one)>;
+        if constexpr (std::is_same_v<R, Edge>)
+          add(std::vector<Edge>{std::forward<decltype(one)>(one)}, *type);
+        else if constexpr (std::is_same_v<R, std::vector<Edge>>)
           add(std::forward<decltype(one)>(one), *type);
         else
           add(std::forward<decltype(one)>(one));
@@ -163,26 +166,36 @@ void LineParser::add(Vertex vertex) {
   dataset_.vertices.push_back(std::move(vertex));
 }
 
-void LineParser::add(Edge edge, const RecordType& type) {
+void LineParser::add(std::vector<Edge> edges, const RecordType& type) {
   std::vector<const SensorOffset*> offsets;
   bool all_identity = true;
   for (const std::uint64_t id : line_.reading.offsets) {
     offsets.push_back(&offset(id, type));
     all_identity = all_identity && Pose3().local(offsets.back()->T_body_sensor).isZero(0);
   }
-  if (!all_identity) io::mount(edge.measurement, offsets);
-  edge.tag = type.tag.data();
-  if (type.is_alias || !all_identity || line_.reading.no_noise)
-    edge.original = std::make_shared<Original>(Original{std::string(without_line_end(line_.text())), edge.measurement});
-  std::vector<KeyUse> uses = std::visit([](const auto& e) { return uses_of(e); }, edge.measurement);
-  if (dataset_.format == Format::G2o && std::holds_alternative<RangeEdge>(edge.measurement)) {  // EDGE_RANGE_SE2_XY
-    uses[0].type = VertexValue(Pose2()).index();
-    uses[1].type = VertexValue(Point2()).index();
+  std::vector<KeyUse> uses;
+  for (Edge& edge : edges) {
+    if (!all_identity) io::mount(edge.measurement, offsets);
+    std::vector<KeyUse> more = std::visit([](const auto& e) { return uses_of(e); }, edge.measurement);
+    if (dataset_.format != Format::PyFG && std::holds_alternative<RangeEdge>(edge.measurement)) {  // from a pose to a landmark
+      more[0].type = VertexValue(Pose2()).index();
+      more[1].type = VertexValue(Point2()).index();
+    }
+    uses.insert(uses.end(), more.begin(), more.end());
   }
   for (const KeyUse& key_use : uses)
     if (key_use.type) check_type(key_use.key, *key_use.type);
   for (const KeyUse& key_use : uses) use(key_use.key, key_use.type);
-  dataset_.edges.push_back(std::move(edge));
+  std::shared_ptr<Original> original;
+  if (type.is_alias || !all_identity || line_.reading.no_noise) {
+    original = std::make_shared<Original>(Original{std::string(without_line_end(line_.text())), {}});
+    for (const Edge& edge : edges) original->measurements.push_back(edge.measurement);
+  }
+  for (Edge& edge : edges) {
+    edge.tag = type.tag.data();
+    edge.original = original;
+    dataset_.edges.push_back(std::move(edge));
+  }
 }
 
 void LineParser::add(const std::vector<Fixed>& fixed) { dataset_.fixed.insert(dataset_.fixed.end(), fixed.begin(), fixed.end()); }

@@ -32,7 +32,7 @@ const char* why_not(Holds holds, std::size_t type) {
     case Holds::sensor_offset:
       return nullptr;  // measurements are in the body's frame: it says nothing more
     case Holds::edge:
-      return type == edge_type<BearingEdge>                                                      ? "it has no bearing"
+      return type == edge_type<BearingEdge>                                                       ? "it has no bearing"
              : type == edge_type<PositionEdge<Point2>> || type == edge_type<PositionEdge<Point3>> ? "it has no prior on a position alone"
                                                                                                   : "it has no step from point to point";
     default:

@@ -1,5 +1,5 @@
 // TORO: VERTEX2, EDGE2 in the plane; VERTEX3, EDGE3 with roll, pitch, yaw in space. And iSAM's text, whose EDGE2 and EDGE3 are the same
-// records: ODOMETRY and LANDMARK, which numbers landmarks apart from poses.
+// records: ODOMETRY and LANDMARK, which numbers landmarks apart from poses; and GTSAM's BR.
 #include <holdfast/graph/files/internal/formats.hpp>
 
 namespace holdfast::io {
@@ -53,6 +53,22 @@ Record isam_landmark(Line& line) {
   return Edge{edge, {}, line.number()};
 }
 
+/// GTSAM's BR: a landmark's bearing and range, with the sigmas of both.
+Record bearing_and_range(Line& line) {
+  BearingEdge bearing;
+  RangeEdge range;
+  std::tie(bearing.pose, bearing.landmark) = std::tie(range.first, range.second) = read_keys(line, Format::Toro, true);
+  bearing.angle = line.next_number("a bearing [rad]");
+  range.distance = line.next_number("a range [m]");
+  if (range.distance < 0) line.error("the range is ", to_text(range.distance), "; expected >= 0 [m]");
+  const double bearing_sigma = line.next_number("a sigma [rad]"), range_sigma = line.next_number("a sigma [m]");
+  bearing.information = 1 / (bearing_sigma * bearing_sigma);
+  range.variance = range_sigma * range_sigma;
+  if (!(bearing_sigma > 0) || !(range_sigma > 0) || !std::isfinite(bearing.information) || !(range.variance > 0))
+    line.error("the sigmas are ", to_text(bearing_sigma), " and ", to_text(range_sigma), "; expected both > 0");
+  return std::vector<Edge>{{bearing, {}, line.number()}, {range, {}, line.number()}};
+}
+
 constexpr RecordType kLines[] = {
     vertex<Pose2>("VERTEX2", 5, "VERTEX2 id x y angle"),
     vertex<Pose3>("VERTEX3", 8, "VERTEX3 id x y z roll pitch yaw"),
@@ -60,6 +76,7 @@ constexpr RecordType kLines[] = {
     edge<RelativePoseEdge<Pose3>>("EDGE3", 30, "EDGE3 id id x y z roll pitch yaw, 21 informations", 9),
     special_line<RelativePoseEdge<Pose2>>("ODOMETRY", 12, "ODOMETRY id id x y angle, 6 numbers row by row", isam_odometry),
     special_line<RelativePointEdge<Point2>>("LANDMARK", 8, "LANDMARK pose landmark x y, 3 numbers row by row", isam_landmark),
+    special_line<BearingEdge>("BR", 7, "BR pose landmark bearing range, 2 sigmas", bearing_and_range),
 };
 
 const char* why_not(Holds holds, std::size_t) {

@@ -4,6 +4,7 @@
 #include <holdfast/graph/files/atomic.hpp>
 #include <holdfast/graph/files/internal/text.hpp>
 #include <holdfast/graph/files/tum.hpp>
+#include <limits>
 #include <map>
 #include <system_error>
 
@@ -41,6 +42,9 @@ std::vector<StampedValue> stamped(std::vector<Posed> poses, const std::unordered
   std::vector<StampedValue> trajectory;
   for (const Posed& pose : poses) trajectory.push_back({any ? times.at(pose.key) : static_cast<double>(pose.key.step()), pose.value});
   std::stable_sort(trajectory.begin(), trajectory.end(), [](const StampedValue& a, const StampedValue& b) { return a.time < b.time; });
+  constexpr double kLater = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < trajectory.size(); ++i)
+    if (!(trajectory[i].time > trajectory[i - 1].time)) trajectory[i].time = std::nextafter(trajectory[i - 1].time, kLater);
   return trajectory;
 }
 

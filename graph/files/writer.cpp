@@ -111,9 +111,17 @@ class Writer {
     io::cannot_hold(format_, record, "its ranges go from a pose in the plane to a landmark that have vertices; write PyFG");
   }
 
-  /// May the line be written as it was read?
+  /// May the line be written as it was read? All its edges must be there, one after the other, as they were.
   bool has_text(const Edge& edge) const {
-    return edge.original && format_ == dataset_.format && io::is_same(edge.original->measurement, edge.measurement);
+    if (!edge.original || format_ != dataset_.format) return false;
+    const std::vector<Measurement>& read = edge.original->measurements;
+    const Edge* first = &edge;
+    while (first > dataset_.edges.data() && (first - 1)->original == edge.original) --first;
+    const Edge* end = dataset_.edges.data() + dataset_.edges.size();
+    if (static_cast<std::size_t>(end - first) < read.size()) return false;
+    for (std::size_t i = 0; i < read.size(); ++i)
+      if (first[i].original != edge.original || !io::is_same(read[i], first[i].measurement)) return false;
+    return static_cast<std::size_t>(&edge - first) < read.size();
   }
 
   static std::string describe(const Fixed& fixed) { return "the fixed variable " + fixed.key.str(); }
@@ -176,7 +184,11 @@ class Writer {
     return i;
   }
   void write(const Edge& edge) {
-    if (has_text(edge)) return write_line(edge.original->text);
+    if (has_text(edge)) {
+      const bool is_first = &edge == dataset_.edges.data() || (&edge - 1)->original != edge.original;
+      if (is_first) write_line(edge.original->text);
+      return;
+    }
     const std::string record = holdfast::describe(edge);
     const std::optional<std::uint64_t> offset = offset_of(edge);
     const auto* range = std::get_if<RangeEdge>(&edge.measurement);

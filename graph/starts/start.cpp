@@ -103,6 +103,46 @@ class PoseTree {
   std::deque<Link> open_;
 };
 
+/// Landmarks that bearings alone tell of: at the range from the same pose where there is one, else where two bearings meet, else 1 m away.
+void add_seen(const Dataset& dataset, const Values& values, std::map<Key, Point2>& points) {
+  std::map<std::pair<Key, Key>, double> ranges;
+  for (const Edge& edge : dataset.edges)
+    if (const auto* range = std::get_if<RangeEdge>(&edge.measurement))
+      ranges.emplace(std::pair(range->first, range->second), range->distance);
+  struct Ray {
+    Vector<2> from, direction;
+  };
+  std::map<Key, Ray> first;
+  std::set<Key> vague;
+  for (const Edge& edge : dataset.edges) {
+    const auto* bearing = std::get_if<BearingEdge>(&edge.measurement);
+    if (bearing == nullptr || (points.count(bearing->landmark) != 0 && vague.count(bearing->landmark) == 0)) continue;
+    const Pose2& pose = values.at<Pose2>(bearing->pose);
+    const Ray ray{pose.p, pose.to_world({std::cos(bearing->angle), std::sin(bearing->angle)})};
+    const auto range = ranges.find({bearing->pose, bearing->landmark});
+    if (range != ranges.end()) {
+      points[bearing->landmark] = Point2((ray.from + range->second * ray.direction).eval());
+      vague.erase(bearing->landmark);
+      continue;
+    }
+    const auto [it, is_new] = first.emplace(bearing->landmark, ray);
+    if (is_new) {
+      points[bearing->landmark] = Point2((ray.from + ray.direction).eval());
+      vague.insert(bearing->landmark);
+      continue;
+    }
+    constexpr double kParallel = 0.05;  // [rad]
+    Matrix<2, 2> directions;
+    directions << it->second.direction, -ray.direction;
+    if (std::abs(directions.determinant()) < kParallel) continue;
+    const Vector<2> lengths = directions.inverse() * (ray.from - it->second.from);
+    if (lengths.minCoeff() < 0) continue;
+    points[bearing->landmark] = Point2((it->second.from + lengths[0] * it->second.direction).eval());
+    vague.erase(bearing->landmark);
+  }
+}
+void add_seen(const Dataset&, const Values&, std::map<Key, Point3>&) {}
+
 template <class Pose, class Point>
 void insert_points(const Dataset& dataset, double sigma, unsigned seed, Values& values) {
   std::map<Key, Point> points;
@@ -130,6 +170,7 @@ void insert_points(const Dataset& dataset, double sigma, unsigned seed, Values& 
       grows = true;
     }
   }
+  add_seen(dataset, values, points);
   for (const auto& [key, point] : points) values.insert(key, point);
 }
 
@@ -220,8 +261,8 @@ class Consecutive {
   struct Candidate {
     std::size_t edge;
     bool has_vertices = false;
-    double step = 0;      ///< between the vertices [m]
-    double apart = 0;     ///< [m]
+    double step = 0;   ///< between the vertices [m]
+    double apart = 0;  ///< [m]
     double in_sigmas = 0;
   };
 
@@ -298,8 +339,7 @@ std::vector<bool> odometry_edges(const Dataset& dataset, const OdometryRule& rul
   if (rule.kind == OdometryRule::Kind::consecutive) return Consecutive(dataset).edges();
   std::vector<bool> chosen(dataset.edges.size(), false);
   if (rule.kind == OdometryRule::Kind::none) return chosen;
-  for (std::size_t i = 0; i < chosen.size(); ++i)
-    chosen[i] = ends_of(dataset.edges[i].measurement) && dataset.edges[i].tag == rule.tag;
+  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = ends_of(dataset.edges[i].measurement) && dataset.edges[i].tag == rule.tag;
   return chosen;
 }
 

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "bytes.hpp"
+#include "tests/graph/files/every_line.hpp"
 
 namespace holdfast {
 namespace {
@@ -17,7 +18,7 @@ constexpr std::size_t kLargest = 48;  // edges of a problem that is solved
 void write_and_read_again(const Dataset& dataset) {
   const std::string text = to_text(dataset, dataset.format);
   std::istringstream in(text);
-  const Dataset again = parse_dataset(in, "again", dataset.format);
+  const Dataset again = parse_dataset(in, "again", dataset.format, dataset.reading);
   fuzz::require(to_text(again, again.format) == text, "a file written, read and written again has changed:\n", text);
   fuzz::require(again.vertices.size() == dataset.vertices.size() && again.edges.size() == dataset.edges.size() &&
                     again.fixed.size() == dataset.fixed.size() && again.unknown.size() == dataset.unknown.size(),
@@ -61,7 +62,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const int choice = bytes.byte();
   try {
     std::istringstream in{std::string(bytes.rest())};
-    const Dataset dataset = parse_dataset(in, "fuzz");
+    ReadOptions reading;
+    reading.repair = choice % 2 == 1;
+    const Dataset dataset = parse_dataset(in, "fuzz", reading);
+    fuzz::require(testing_io::missing_line(dataset, bytes.rest()).empty(), "a line is lost in silence:\n", std::string(bytes.rest()));
     write_and_read_again(dataset);
     convert(dataset);
     unknown_report(dataset);

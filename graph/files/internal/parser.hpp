@@ -56,7 +56,7 @@ class LineParser {
   };
 
   void add(Vertex vertex);
-  void add(Edge edge, const io::RecordType& type);
+  void add(std::vector<Edge> edges, const io::RecordType& type);
   void add(const std::vector<Fixed>& fixed);
   void add(SensorOffset offset);
   void check_ids();

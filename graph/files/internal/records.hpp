@@ -56,7 +56,7 @@ struct HasOffset<E, std::void_t<decltype(E::offset)>> : std::true_type {};
 std::optional<std::uint64_t> offset_of(const Measurement& measurement);
 
 /// What one line holds.
-using Record = std::variant<Vertex, Edge, std::vector<Fixed>, SensorOffset>;
+using Record = std::variant<Vertex, Edge, std::vector<Fixed>, SensorOffset, std::vector<Edge>>;
 
 /// PyFG alone has time stamps: on all its lines but the vertices of points.
 constexpr bool has_time(Format format, bool of_point_vertex = false) { return format == Format::PyFG && !of_point_vertex; }
@@ -65,7 +65,8 @@ std::optional<double> read_time(Line& line, bool is_there);
 template <class V>
 Vertex read_vertex(Line& line, Format format) {
   const std::optional<double> time = read_time(line, has_time(format, V::dim == V::space_dim));
-  Vertex vertex{V::dim == V::space_dim ? read_landmark(line, format) : read_key(line, format), V(), read_columns<V>(line, format), time, line.number()};
+  Vertex vertex{V::dim == V::space_dim ? read_landmark(line, format) : read_key(line, format), V(), read_columns<V>(line, format), time,
+                line.number()};
   vertex.value = decode<V>(vertex.columns);
   return vertex;
 }

@@ -102,11 +102,11 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"TORO in g2o", Format::G2o, kG2oPoses, "VERTEX2 4 5 0.1 1", {"a line of TORO", "expected g2o"}},
         Case{"g2o in TORO", Format::Toro, "VERTEX2 0 0 0 0\n", "FIX 0", {"a line of g2o", "expected TORO"}},
         Case{"name in g2o", Format::G2o, kG2oPoses, "EDGE_SE2 A0 A1 1 0 0.1 1 0 0 1 0 1", {"'A0' is not an id"}},
-        Case{"turned sensor",
+        Case{"sensor in the plane",
              Format::G2o,
-             "PARAMS_SE3OFFSET 0 0 0 1 0 0 0 1\n",
+             "PARAMS_SE2OFFSET 0 0 0 0\n",
              "EDGE_SE3_PRIOR 1 0 0 0 0 0 0 0 1 " + kIdentity21,
-             {"sensor offset 0 (line 1) is not the identity"}}),
+             {"sensor offset 0 (line 1) is in the plane, the edge in space"}}),
     [](const ::testing::TestParamInfo<Case>& instance) {
       std::string name = instance.param.what;
       for (char& c : name) c = c == ' ' ? '_' : c;

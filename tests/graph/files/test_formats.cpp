@@ -1,7 +1,9 @@
 // Small files of every dialect: what is read, that writing gives it back, and what noise means.
 #include <clocale>
 #include <locale>
+#include <random>
 
+#include "tests/graph/files/every_line.hpp"
 #include "tests/graph/files/helpers.hpp"
 
 namespace holdfast {
@@ -295,6 +297,82 @@ TEST(Locale, ChangesNothing) {
   std::locale::global(before);
   expect_same(expected, read);
   EXPECT_EQ(text, again);
+}
+// ---- random edits of valid files: refused by name, or every line is read, kept or named
+
+/// Lines of every kind that the formats have.
+std::vector<std::string> valid_files() {
+  const std::string one21 = " 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1";
+  return {
+      "# comment\nPARAMS_SE2OFFSET 3 0.1 0 0.5\nVERTEX_SE2 0 0 0 0\nROBOTLASER1 0 1 2\nVERTEX_SE2 1 1 0 0\nVERTEX_XY 7 1 1\n\nFIX 0 1\n"
+      "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 1 0 0\nEDGE_SE2_XY 0 7 1 1 1 0 1\nEDGE_BEARING_SE2_XY 0 7 0.7 10\n"
+      "EDGE_RANGE_SE2_XY 1 7 1 10\nEDGE_PRIOR_SE2_XY 1 1 0 1 0 1\nEDGE_PRIOR_XY 7 1 1 1 0 1\nEDGE_SE2_OFFSET 0 1 3 3 1 0 0 1 0 0 1 0 1\n"
+      "EDGE_SE2_POINTXY_OFFSET 0 7 3 1 1 1 0 1\nVERTEX_SWITCH 9 1\nEDGE_SE2_SWITCHABLE 0 2 9 2 0 0 1 0 0 1 0 1\n"
+      "EDGE_SE2_MAXMIX 0 2 0.1 2 0 0 1 0 0 1 0 1\nEDGE_SE2_XY_PRIOR 0 0 0 0 0 0\n",
+      "PARAMS_SE3OFFSET 0 0.2 0 0 0 0 0 1\nVERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 0 0 0 0 0 1\nVERTEX_TRACKXYZ 0 1 1 1\n"
+      "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1" +
+          one21 + "\nEDGE_SE3_TRACKXYZ 0 0 0 1 1 1 1 0 0 1 0 1\nEDGE_SE3_PRIOR 0 0 0 0 0 0 0 0 1" + one21 +
+          "\nEDGE_SE3_PRIORXYZ 1 1 0 0 1 0 0 1 0 1\nEDGE_SE3_PRIORXY 1 1 0 1 0 1\nEDGE_SE3_PRIORQUAT 1 1 0 0 0 1 0 0 1 0 1\n"
+          "EDGE_SE3_XYZ_PRIOR 1 0 1 0 0 1 0 0 1 0 1\nEDGE_SE3_OFFSET 0 1 0 0 1 0 0 0 0 0 1" +
+          one21 + "\nEDGE_POINTXYZ_PRIOR 0 1 1 1 1 0 0 1 0 1\n",
+      "VERTEX2 0 0 0 0\nVERTEX2 1 1 0 0\nEDGE2 0 1 1 0 0 1 0 1 1 0 0\nEDGE2 1 2 1 0 0\nODOMETRY 2 3 1 0 0 10 0 0 10 0 10\n"
+      "LANDMARK 3 0 1 1 10 0 10\nBR 3 1 0.5 2 0.1 0.1\nEQUIV 0 3\n# end\n",
+      kPyfg};
+}
+
+TEST(EveryLine, IsReadKeptOrNamed) {
+  std::mt19937_64 rng(20);
+  const std::vector<std::string> files = valid_files();
+  for (const std::string& file : files) {
+    std::istringstream in(file);
+    EXPECT_EQ(missing_line(parse_dataset(in, "valid"), file), "");
+  }
+  int accepted = 0;
+  for (int run = 0; run < 20000; ++run) {
+    std::string text = files[rng() % files.size()];
+    for (std::uint64_t edits = 1 + rng() % 3; edits > 0 && !text.empty(); --edits) {
+      const std::size_t at = rng() % text.size();
+      const std::size_t begin = text.rfind('\n', at) == std::string::npos ? 0 : text.rfind('\n', at) + 1;
+      const std::size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
+      switch (rng() % 6) {
+        case 0:
+          text[at] = static_cast<char>(rng());
+          break;
+        case 1:  // a line twice
+          text.insert(begin, text.substr(begin, end - begin));
+          break;
+        case 2:  // a line gone
+          text.erase(begin, end - begin);
+          break;
+        case 3:  // a line behind all others
+          text += text.substr(begin, end - begin);
+          break;
+        case 4:  // another digit
+          if (text[at] >= '0' && text[at] <= '9') text[at] = static_cast<char>('0' + rng() % 10);
+          break;
+        default:
+          text.insert(at, std::string(1, "\n # -"[rng() % 5]));
+      }
+    }
+    if (text.empty()) continue;
+    try {
+      ReadOptions options;
+      options.repair = rng() % 2 == 0;
+      std::istringstream in(text);
+      const Dataset data = parse_dataset(in, "edited", options);
+      ++accepted;
+      ASSERT_EQ(missing_line(data, text), "") << text;
+      const std::string again = to_text(data, data.format);
+      std::istringstream second(again);
+      const Dataset reread = parse_dataset(second, "again", data.format, options);
+      ASSERT_EQ(missing_line(reread, again), "") << again;
+      ASSERT_EQ(reread.edges.size(), data.edges.size()) << text;
+      ASSERT_EQ(to_text(reread, data.format), again) << text;
+    } catch (const BadFile& error) {  // names the line or the file
+      ASSERT_FALSE(std::string(error.what()).empty());
+    }
+  }
+  EXPECT_GT(accepted, 2000);
 }
 
 }  // namespace

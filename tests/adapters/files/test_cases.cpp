@@ -1,0 +1,276 @@
+// The kinds of files that people have: each of ../shared/cases gives its right value (its README says which). The files stay there.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <holdfast/adapters/files/convert.hpp>
+#include <holdfast/adapters/files/problem.hpp>
+#include <holdfast/adapters/files/report.hpp>
+#include <holdfast/factors/von_mises_bearing.hpp>
+#include <holdfast/graph/check.hpp>
+#include <holdfast/graph/files/tum.hpp>
+#include <holdfast/solvers/table.hpp>
+
+#include "tests/graph/files/helpers.hpp"
+
+namespace holdfast {
+namespace {
+
+using namespace testing_io;
+
+constexpr Agent x('x');
+
+std::string case_path(const std::string& file) { return data_directory() + "/../cases/" + file; }
+
+#define NEED_CASE(file)                                                      \
+  if (data_directory().empty() || !std::filesystem::exists(case_path(file))) \
+  GTEST_SKIP() << "no " << (file) << " in ../cases beside HOLDFAST_DATA"
+
+struct Answer {
+  Summary summary;
+  Values values;
+  double cost = 0;
+  Vector<2> at(Key key) const {
+    return values.contains<Pose2>(key) ? values.at<Pose2>(key).p : Vector<2>(values.at<Pose3>(key).p.head<2>());
+  }
+};
+
+Answer solved(const Dataset& data, const ProblemOptions& how = {}) {
+  Problem problem = make_problem(data, how);
+  Options options;
+  options.cost_tolerance = 1e-14;
+  Answer answer;
+  answer.values = problem.start;
+  answer.summary = make_backend("irls", options)->solve(problem.graph, answer.values);
+  answer.cost = problem.graph.cost(answer.values);
+  EXPECT_TRUE(answer.summary.usable()) << answer.summary.str();
+  return answer;
+}
+
+template <class E>
+std::vector<const E*> edges_of(const Dataset& data) {
+  std::vector<const E*> all;
+  for (const Edge& edge : data.edges)
+    if (const auto* one = std::get_if<E>(&edge.measurement)) all.push_back(one);
+  return all;
+}
+
+std::vector<Finding> of_kind(const std::vector<Finding>& findings, Finding::Kind kind) {
+  std::vector<Finding> found;
+  std::copy_if(findings.begin(), findings.end(), std::back_inserter(found), [&](const Finding& one) { return one.kind == kind; });
+  return found;
+}
+
+/// What every case must do: the same text comes back, and the dataset.
+void expect_round_trip(const std::string& file, const ReadOptions& options = {}) {
+  const Dataset data = read_dataset(case_path(file), options);
+  std::istringstream in(written(data));
+  expect_same(data, parse_dataset(in, "again", data.format, options));
+}
+
+TEST(Cases, GpsWithZeroRotation) {
+  NEED_CASE("gps_zero_rotation.g2o");
+  const Dataset data = read_dataset(case_path("gps_zero_rotation.g2o"));
+  Dataset regular = data;
+  for (Edge& edge : regular.edges)
+    if (auto* prior = std::get_if<PriorEdge<Pose3>>(&edge.measurement)) prior->noise.written.diagonal().tail<3>().setConstant(1e-9);
+  const Answer answer = solved(data), expected = solved(regular);
+  for (int i = 0; i < 4; ++i) EXPECT_LT((answer.values.at<Pose3>(x(i)).p - expected.values.at<Pose3>(x(i)).p).norm(), 1e-6) << i;
+  EXPECT_LT((answer.values.at<Pose3>(x(0)).p - Vector<3>(100, 200, 50)).norm(), 1e-4);
+  expect_round_trip("gps_zero_rotation.g2o");
+}
+
+TEST(Cases, PlanarRobotInSpace) {
+  NEED_CASE("planar_zero.g2o");
+  const Dataset data = read_dataset(case_path("planar_zero.g2o"));
+  const Answer answer = solved(data);
+  for (int i = 0; i < 4; ++i) EXPECT_LT(std::abs(answer.values.at<Pose3>(x(i)).p.z()), 1e-9) << i;
+  // Three steps of (1, 0.1) and a closure of (3, 0): the least squares share 0.3 m among four, 0.075 m each.
+  EXPECT_NEAR(answer.at(x(3)).x(), 3, 1e-3);
+  EXPECT_LT(answer.at(x(3)).y(), 0.3);
+  const Problem problem = make_problem(data);
+  const std::vector<Finding> findings = check(problem.graph, problem.start);
+  ASSERT_FALSE(findings.empty());
+  std::string all;
+  for (const Finding& finding : findings) all += finding.text + '\n';
+  EXPECT_NE(all.find("translation z"), std::string::npos) << all;
+  expect_round_trip("planar_zero.g2o");
+}
+
+TEST(Cases, PositionPriorsInSpace) {
+  NEED_CASE("gps_priorxyz.g2o");
+  const Dataset data = read_dataset(case_path("gps_priorxyz.g2o"));
+  EXPECT_EQ(edges_of<PositionEdge<Point3>>(data).size(), 4u);
+  EXPECT_TRUE(data.unknown.empty());
+  const Answer answer = solved(data);
+  for (const auto* position : edges_of<PositionEdge<Point3>>(data))
+    EXPECT_LT((answer.values.at<Pose3>(position->key).p - position->measured.value).norm(), 1e-4) << position->key.str();
+  EXPECT_LT(answer.cost, 1e-6);
+  EXPECT_NE(use_report(data).find("4 position priors"), std::string::npos) << use_report(data);
+  expect_round_trip("gps_priorxyz.g2o");
+}
+
+TEST(Cases, PositionPriorsInThePlane) {
+  NEED_CASE("gps_prior_se2_xy.g2o");
+  const Dataset data = read_dataset(case_path("gps_prior_se2_xy.g2o"));
+  const Answer answer = solved(data);
+  EXPECT_LT((answer.at(x(2)) - Vector<2>(110, 210)).norm(), 1e-6);
+  EXPECT_LT(answer.cost, 1e-12);
+  EXPECT_EQ(use_report(data), "3 odometry edges, 1 loop closure, 4 position priors");
+  expect_round_trip("gps_prior_se2_xy.g2o");
+}
+
+TEST(Cases, SymbolsOfGtsam) {
+  NEED_CASE("gtsam_symbols.g2o");
+  const Dataset data = read_dataset(case_path("gtsam_symbols.g2o"));
+  const Answer answer = solved(data);
+  EXPECT_LT((answer.at(Key('a', 3)) - Vector<2>(3.3, 0)).norm(), 1e-6);
+  EXPECT_LT((answer.at(Key('b', 0)) - Vector<2>(0, 5)).norm(), 1e-6);
+  EXPECT_EQ(use_report(data), "6 odometry edges, 1 loop closure");
+  expect_round_trip("gtsam_symbols.g2o");
+}
+
+TEST(Cases, LandmarksNumberedApart) {
+  NEED_CASE("gtsam_landmark_ids.g2o");
+  const Dataset data = read_dataset(case_path("gtsam_landmark_ids.g2o"));
+  const Answer answer = solved(data);
+  EXPECT_LT((answer.values.at<Point3>(Key('l', 0)).value - Vector<3>(2, 1, 0)).norm(), 1e-9);
+  EXPECT_LT((answer.values.at<Pose3>(x(1)).p - Vector<3>(1, 0, 0)).norm(), 1e-9);
+  EXPECT_EQ(written(data), content(case_path("gtsam_landmark_ids.g2o")));
+}
+
+TEST(Cases, InformationOfTheFullAngle) {
+  NEED_CASE("gtsam_information.g2o");
+  const Dataset half = read_dataset(case_path("gtsam_information.g2o"));
+  ReadOptions gtsam;
+  gtsam.full_angle = true;
+  const Dataset full = read_dataset(case_path("gtsam_information.g2o"), gtsam);
+  // g2o counts half angles: the same information of full angles is 4 times as much to it.
+  Dataset scaled = half;
+  for (Edge& edge : scaled.edges) {
+    auto& pose = std::get<RelativePoseEdge<Pose3>>(edge.measurement);
+    pose.noise.written.bottomRightCorner<3, 3>() *= 4;
+    pose.noise.written.topRightCorner<3, 3>() *= 2;
+    pose.noise.written.bottomLeftCorner<3, 3>() *= 2;
+  }
+  const Answer a = solved(full), b = solved(scaled), g2o = solved(half);
+  EXPECT_NEAR(a.cost, b.cost, 1e-9 * b.cost);
+  double rms = 0;
+  int n = 0;
+  for (Key key : a.values.keys()) {
+    EXPECT_LT((a.values.at<Pose3>(key).p - b.values.at<Pose3>(key).p).norm(), 1e-6);
+    rms += (a.values.at<Pose3>(key).p - g2o.values.at<Pose3>(key).p).squaredNorm(), ++n;
+  }
+  EXPECT_NEAR(std::sqrt(rms / n), 0.07, 0.01);  // what reading GTSAM's file as g2o's costs
+  expect_round_trip("gtsam_information.g2o", gtsam);
+}
+
+TEST(Cases, OdometryWrittenBackwards) {
+  NEED_CASE("reversed_odometry.g2o");
+  const Dataset data = read_dataset(case_path("reversed_odometry.g2o"));
+  const std::string report = use_report(data);
+  EXPECT_NE(report.find("odometry edges (written backwards)"), std::string::npos) << report;
+  const std::vector<bool> odometry = odometry_edges(data);
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    const auto& edge = std::get<RelativePoseEdge<Pose2>>(data.edges[i].measurement);
+    EXPECT_EQ(odometry[i], edge.first.step() == edge.second.step() + 1) << describe(data.edges[i]);
+  }
+}
+
+TEST(Cases, SeamsOfSessionsAreNoOdometry) {
+  NEED_CASE("seam.g2o");
+  for (const char* file : {"seam.g2o", "not_seam.g2o"})
+    for (const Loss& loss : {Loss(Cauchy{1}), Loss(Tukey{4})}) {
+      const Dataset data = read_dataset(case_path(file));
+      EXPECT_EQ(use_report(data), "10 odometry edges, 4 loop closures") << file;
+      EXPECT_LT((solved(data, {loss}).at(x(11)) - Vector<2>(5, 3)).norm(), 0.01) << file << ' ' << loss.str();
+    }
+  const Dataset data = read_dataset(case_path("seam.g2o"));
+  const auto count = [](const std::vector<bool>& all) { return std::count(all.begin(), all.end(), true); };
+  EXPECT_EQ(count(odometry_edges(data, odometry_rule("none"))), 0);
+  EXPECT_EQ(count(odometry_edges(data, odometry_rule("EDGE_SE2"))), 14);
+}
+
+TEST(Cases, SwitchesStandUnderALoss) {
+  NEED_CASE("switchable.g2o");
+  const Dataset data = read_dataset(case_path("switchable.g2o"));
+  EXPECT_EQ(edges_of<RelativePoseEdge<Pose2>>(data).size(), 7u);
+  EXPECT_EQ(use_report(data),
+            "5 odometry edges, 2 loop closures (with a switch or mixture, under the loss instead); 1 line of VERTEX_SWITCH, 1 line of "
+            "EDGE_SWITCH_PRIOR kept, not used");
+  const Problem problem = make_problem(data, {Cauchy{1}});
+  EXPECT_EQ(problem.graph.size(), 7u);
+  EXPECT_EQ(problem.graph.loss(problem.factors[5]), Loss(Cauchy{1}));
+  EXPECT_EQ(problem.graph.loss(problem.factors[6]), Loss(Cauchy{1}));
+  EXPECT_EQ(written(data), content(case_path("switchable.g2o")));
+}
+
+TEST(Cases, Bearings) {
+  NEED_CASE("bearing.g2o");
+  const Dataset data = read_dataset(case_path("bearing.g2o"));
+  const Answer answer = solved(data);
+  EXPECT_LT((answer.values.at<Point2>(x(10)).value - Vector<2>(1, 3)).norm(), 0.1);
+  std::size_t bearings = 0;
+  make_problem(data).graph.for_each_batch<VonMisesBearingBody<Pose2, Point2>>(
+      [&](const auto& batch) { bearings += static_cast<std::size_t>(batch.size()); });
+  EXPECT_EQ(bearings, 3u);
+  EXPECT_EQ(written(data), content(case_path("bearing.g2o")));
+}
+
+TEST(Cases, SensorOffset) {
+  NEED_CASE("sensor_offset.g2o");
+  const Dataset data = read_dataset(case_path("sensor_offset.g2o"));
+  const Answer answer = solved(data);
+  EXPECT_LT((answer.values.at<Point3>(x(5)).value - Vector<3>(2, 1, 0)).norm(), 1e-6);
+  EXPECT_LT(answer.cost, 1e-12);
+  EXPECT_EQ(written(data), content(case_path("sensor_offset.g2o")));
+}
+
+TEST(Cases, DataLinesStayWhereTheyStood) {
+  NEED_CASE("data_lines.g2o");
+  const Dataset data = read_dataset(case_path("data_lines.g2o"));
+  EXPECT_EQ(written(data), content(case_path("data_lines.g2o")));
+}
+
+TEST(Cases, FixOfNoVertex) {
+  NEED_CASE("fix0.g2o");
+  const Dataset data = read_dataset(case_path("fix0.g2o"));
+  const std::vector<Finding> findings = of_kind(check(data), Finding::Kind::unknown_fixed);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_NE(findings[0].text.find("FIX 0 names no vertex"), std::string::npos) << findings[0].text;
+  const Problem problem = make_problem(data);
+  EXPECT_EQ(problem.graph.fixed().size(), 1u);
+  EXPECT_TRUE(problem.graph.is_fixed(x(1)));
+}
+
+TEST(Cases, EqualTimes) {
+  NEED_CASE("equal_times.pyfg");
+  const Dataset data = read_dataset(case_path("equal_times.pyfg"));
+  const std::vector<Finding> findings = of_kind(check(data), Finding::Kind::bad_time);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_NE(findings[0].text.find("A3 after A2"), std::string::npos) << findings[0].text;
+  const TemporaryDirectory directory;
+  write_tum_directory(directory / "out", vertex_start(data), vertex_times(data));
+  std::istringstream lines(content(directory / "out/A.tum"));
+  double last = 0;
+  int n = 0;
+  for (std::string line; std::getline(lines, line); ++n) {
+    const double time = std::stod(line);
+    EXPECT_GT(time, last) << line;
+    last = time;
+  }
+  EXPECT_EQ(n, 5);
+}
+
+TEST(Cases, Edge2ByRows) {
+  NEED_CASE("edge2_by_rows.graph");
+  expect_message<BadFile>([] { read_dataset(case_path("edge2_by_rows.graph")); }, {"line 4", "row by row", "--toro-order rows"});
+  ReadOptions options;
+  options.toro_rows = true;
+  const Dataset data = read_dataset(case_path("edge2_by_rows.graph"), options);
+  EXPECT_EQ(edges_of<RelativePoseEdge<Pose2>>(data)[0]->noise.written, Matrix<3, 3>(Vector<3>(100, 100, 400).asDiagonal()));
+  EXPECT_EQ(written(data), content(case_path("edge2_by_rows.graph")));
+  solved(data);
+}
+
+}  // namespace
+}  // namespace holdfast
