@@ -84,15 +84,11 @@ TEST(Cases, PlanarRobotInSpace) {
   const Dataset data = read_dataset(case_path("planar_zero.g2o"));
   const Answer answer = solved(data);
   for (int i = 0; i < 4; ++i) EXPECT_LT(std::abs(answer.values.at<Pose3>(x(i)).p.z()), 1e-9) << i;
-  // Three steps of (1, 0.1) and a closure of (3, 0): the least squares share 0.3 m among four, 0.075 m each.
-  EXPECT_NEAR(answer.at(x(3)).x(), 3, 1e-3);
+  EXPECT_NEAR(answer.at(x(3)).x(), 3, 0.01);  // three steps of (1, 0.1) and a closure of (3, 0) that disagree by 0.3 m
   EXPECT_LT(answer.at(x(3)).y(), 0.3);
   const Problem problem = make_problem(data);
-  const std::vector<Finding> findings = check(problem.graph, problem.start);
-  ASSERT_FALSE(findings.empty());
-  std::string all;
-  for (const Finding& finding : findings) all += finding.text + '\n';
-  EXPECT_NE(all.find("translation z"), std::string::npos) << all;
+  // z, roll and pitch of the three poses that nothing holds.
+  EXPECT_EQ(of_kind(check(problem.graph, problem.start), Finding::Kind::unconstrained_direction).size(), 9u);
   expect_round_trip("planar_zero.g2o");
 }
 
@@ -199,8 +195,10 @@ TEST(Cases, SwitchesStandUnderALoss) {
             "EDGE_SWITCH_PRIOR kept, not used");
   const Problem problem = make_problem(data, {Cauchy{1}});
   EXPECT_EQ(problem.graph.size(), 7u);
-  EXPECT_EQ(problem.graph.loss(problem.factors[5]), Loss(Cauchy{1}));
-  EXPECT_EQ(problem.graph.loss(problem.factors[6]), Loss(Cauchy{1}));
+  for (const std::size_t edge : {5, 6}) {
+    const Graph::Place& place = problem.graph.place(problem.factors[edge]);
+    EXPECT_EQ(problem.graph.batches()[place.batch]->loss(place.index).str(), Loss(Cauchy{1}).str());
+  }
   EXPECT_EQ(written(data), content(case_path("switchable.g2o")));
 }
 
@@ -267,7 +265,8 @@ TEST(Cases, Edge2ByRows) {
   ReadOptions options;
   options.toro_rows = true;
   const Dataset data = read_dataset(case_path("edge2_by_rows.graph"), options);
-  EXPECT_EQ(edges_of<RelativePoseEdge<Pose2>>(data)[0]->noise.written, Matrix<3, 3>(Vector<3>(100, 100, 400).asDiagonal()));
+  const Matrix<3, 3> expected = Vector<3>(100, 100, 400).asDiagonal();
+  EXPECT_EQ(edges_of<RelativePoseEdge<Pose2>>(data)[0]->noise.written, expected);
   EXPECT_EQ(written(data), content(case_path("edge2_by_rows.graph")));
   solved(data);
 }

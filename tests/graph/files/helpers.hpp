@@ -48,6 +48,13 @@ bool same(const PriorEdge<V>& a, const PriorEdge<V>& b) {
 inline bool same(const RangeEdge& a, const RangeEdge& b) {
   return a.first == b.first && a.second == b.second && same_bits(a.distance, b.distance) && same_bits(a.variance, b.variance);
 }
+inline bool same(const BearingEdge& a, const BearingEdge& b) {
+  return a.pose == b.pose && a.landmark == b.landmark && same_bits(a.angle, b.angle) && same_bits(a.information, b.information);
+}
+template <class P>
+bool same(const PositionEdge<P>& a, const PositionEdge<P>& b) {
+  return a.key == b.key && same_bits(a.measured, b.measured) && same(a.columns, b.columns) && same(a.noise, b.noise);
+}
 template <class... T>
 bool same(const std::variant<T...>& a, const std::variant<T...>& b) {
   if (a.index() != b.index()) return false;

@@ -205,7 +205,8 @@ TEST(Converting, WhatDoesNotFitIsNamed) {
   Dataset ranges;
   ranges.edges = {pyfg.edges[1]};
   ranges.edges[0].time.reset();
-  expect_message<BadFile>([&] { to_g2o(ranges); }, {"a g2o file cannot hold range A1 L6 (line 8)", "no range edge"});
+  expect_message<BadFile>([&] { to_g2o(ranges); },
+                          {"a g2o file cannot hold range A1 L6 (line 8)", "its ranges go from a pose in the plane to a landmark"});
   expect_message<BadFile>([&] { to_toro(ranges); }, {"a TORO file cannot hold range A1 L6"});
   Dataset named;
   named.vertices = {pyfg.vertices[0]};
@@ -236,7 +237,6 @@ TEST(Converting, WhatAFormatHasNoLineForIsNamed) {
   const RangeEdge range{x1, x2, 3, 1};
   const RelativePoseEdge<Pose2> pose{x1, x2, Pose2(1, 0, 0), {}, {}};
   const RelativePointEdge<Point2> point{x1, x2, Point2(1, 0), {}, {}, 0};
-  const RelativePointEdge<Point3> point3{x1, x2, Point3(1, 0, 0), {}, {}, {}};
   const PriorEdge<Pose2> prior{x1, Pose2(), {}, {}, {}};
   const PriorEdge<Point2> point_prior{x1, Point2(), {}, {}, {}};
   Dataset fixed, offset;
@@ -254,10 +254,11 @@ TEST(Converting, WhatAFormatHasNoLineForIsNamed) {
       {fixed, Format::PyFG, {"the fixed variable x1", "no FIX line; clear `fixed`, or add a prior"}},
       {only(Point3(), time), Format::G2o, {"a g2o file cannot hold vertex x1 (Point3)", "no time stamps; clear them"}},
       {only(pose, time), Format::G2o, {"relative pose x1 x2", "no time stamps; clear them"}},
-      {only(range, no_time), Format::G2o, {"range x1 x2", "no range edge; write PyFG"}},
+      {only(range, no_time), Format::G2o, {"range x1 x2", "its ranges go from a pose in the plane to a landmark", "write PyFG"}},
       {only(point, no_time), Format::G2o, {"relative point x1 x2", "name no sensor offset; clear it"}},
-      {only(point3, no_time), Format::G2o, {"relative point x1 x2", "needs a sensor offset"}},
-      {only(point_prior, no_time), Format::G2o, {"prior x1", "no prior on a point"}},
+      {only(point_prior, no_time), Format::Toro, {"prior x1", "relative poses alone"}},
+      {only(BearingEdge{x1, x2, 0.5, 1}, time), Format::PyFG, {"bearing x1 x2", "no bearing"}},
+      {only(PositionEdge<Point2>{x1, Point2(), {}, {}}, time), Format::PyFG, {"position prior x1", "no prior on a position alone"}},
       {only(Pose2(), time), Format::Toro, {"a TORO file cannot hold vertex x1 (Pose2)", "no time stamps; clear them"}},
       {only(Point2(), no_time), Format::Toro, {"vertex x1 (Point2)", "poses alone"}},
       {only(pose, time), Format::Toro, {"relative pose x1 x2", "no time stamps; clear them"}},
@@ -275,6 +276,50 @@ TEST(Converting, ASensorOffsetIsTheIdentityAndLeftOutOfPyFG) {
   Dataset dataset = only(RelativePointEdge<Point3>{Key('x', 1), Key('L', 2), Point3(1, 2, 3), {}, {}, 7}, 0.5);
   dataset.offsets.push_back({7, Pose3(), {}, 0});
   EXPECT_EQ(to_pyfg(dataset), "EDGE_SE3_XYZ 0.5 x1 L2 1 2 3 1 0 0 1 0 1\n");
+}
+
+TEST(Converting, ALandmarkInSpaceNamesTheIdentity) {
+  const Dataset dataset = only(RelativePointEdge<Point3>{Key('x', 1), Key('x', 2), Point3(1, 2, 3), {}, {}}, std::nullopt);
+  EXPECT_EQ(to_g2o(dataset), "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\nEDGE_SE3_TRACKXYZ 1 2 0 1 2 3 1 0 0 1 0 1\n");
+}
+
+// A landmark at a sensor 0.1 m ahead of the body that looks to the left: (2, 0) there is (0.1, 2) in the body.
+TEST(SensorOffsets, LandmarksAndPosesAreInTheBodysFrame) {
+  const std::string text =
+      "PARAMS_SE2OFFSET 4 0.1 0 1.5707963267948966\nEDGE_SE2_POINTXY_OFFSET 0 7 4 2 0 9 0 1\n"
+      "EDGE_SE2_OFFSET 0 1 4 4 0 -1 0 9 0 0 1 0 4\n";
+  const Dataset data = parsed(text, Format::G2o);
+  const auto& point = std::get<RelativePointEdge<Point2>>(data.edges[0].measurement);
+  EXPECT_LT((point.measured.value - Vector<2>(0.1, 2)).norm(), 1e-15);
+  EXPECT_NEAR(point.information()(0, 0), 1, 1e-14);  // along the body's x the sensor's y
+  EXPECT_NEAR(point.information()(1, 1), 9, 1e-14);
+  const auto& step = std::get<RelativePoseEdge<Pose2>>(data.edges[1].measurement);
+  EXPECT_LT((step.measured.p - Vector<2>(1, 0)).norm(), 1e-15);  // the sensor's −y is the body's x
+  EXPECT_EQ(to_g2o(data), text);
+  // The information of the body's deviation is that of the sensor's, to first order.
+  const Pose2 sensor(0.1, 0, kPi / 2), read(0, -1, 0);
+  Matrix<3, 3> at_sensor = Vector<3>(9, 1, 4).asDiagonal();
+  for (const Vector<3>& delta : {Vector<3>(1e-4, 0, 0), Vector<3>(0, 1e-4, 0), Vector<3>(0, 0, 1e-4), Vector<3>(1e-4, -2e-4, 1e-4)}) {
+    const Pose2 body = step.measured * Pose2(delta[0], delta[1], delta[2]);
+    const Pose2 deviation = read.inverse() * (sensor.inverse() * body * sensor);
+    const Vector<3> e(deviation.p[0], deviation.p[1], deviation.angle());
+    EXPECT_NEAR(e.dot(at_sensor * e) / delta.dot(step.information() * delta), 1, 1e-3);
+  }
+}
+
+// What hdl_graph_slam's own error is about a small turn.
+TEST(Noise, OfARotationPriorIsThatOfItsQuaternion) {
+  const Dataset data = parsed("EDGE_SE3_PRIORQUAT 3 0.8 0.6 0 0 10 1 2 20 3 30\n", Format::G2o);
+  const auto& prior = std::get<PriorEdge<Pose3>>(data.edges[0].measurement);
+  Matrix<3, 3> I;
+  I << 10, 1, 2, 1, 20, 3, 2, 3, 30;
+  for (const Vector<3>& phi : {Vector<3>(1e-4, 0, 0), Vector<3>(0, 1e-4, 0), Vector<3>(1e-4, -1e-4, 2e-4)}) {
+    Vector<6> delta = Vector<6>::Zero();
+    delta.tail<3>() = phi;
+    const Pose3 x = prior.measured.retract(delta);
+    const Vector<3> e = x.q.vec() - prior.measured.q.vec();
+    EXPECT_NEAR(e.dot(I * e) / delta.dot(prior.information() * delta), 1, 1e-3);
+  }
 }
 
 struct German : std::numpunct<char> {
