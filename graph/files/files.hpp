@@ -34,10 +34,10 @@ inline Dataset parse_toro(std::istream& in, const std::string& name) { return pa
 
 /// The text of a file. In the format it was read from every line stands where it stood, comments and unknown lines, too; what was added
 /// comes before the first edge (vertices, fixed variables) or at the end (edges). In another format: comments, sensor offsets, vertices,
-/// fixed variables, edges, each in the order of the dataset. Every number reads back bit by bit. Noise of another format is converted (dataset.hpp). BadFile naming the record
-/// where the format cannot hold it: a range in g2o, a time stamp in g2o or TORO, a pose or edge without one in PyFG, a key whose kind is
-/// no letter in PyFG, a key without an integer id (Key::id()) in g2o or TORO, an unknown line of another format, a number that is not
-/// finite.
+/// fixed variables, edges, each in the order of the dataset. Every number reads back bit by bit. Noise of another format is converted
+/// (dataset.hpp). BadFile naming the record where the format cannot hold it: a range between poses in g2o, a time stamp in g2o or TORO, a
+/// pose or edge without one in PyFG, a key whose kind is no letter in PyFG, a key without an integer id (Key::id()) in g2o or TORO, an
+/// unknown line of another format, a number that is not finite.
 std::string to_text(const Dataset& dataset, Format format);
 inline std::string to_pyfg(const Dataset& dataset) { return to_text(dataset, Format::PyFG); }
 inline std::string to_g2o(const Dataset& dataset) { return to_text(dataset, Format::G2o); }

@@ -315,8 +315,13 @@ class Consecutive {
       sigmas.push_back(one.in_sigmas);
     }
     const double usual_step = median(steps), usual_sigmas = median(sigmas);
+    std::vector<std::size_t> seams;
     for (const Candidate& one : candidates)
-      if (one.has_vertices && one.apart > usual_step && one.in_sigmas > 10 && one.in_sigmas > 10 * usual_sigmas) chosen[one.edge] = false;
+      if (one.has_vertices && one.step > 3 * usual_step && one.apart > usual_step && one.in_sigmas > 10 &&
+          one.in_sigmas > 10 * usual_sigmas)
+        seams.push_back(one.edge);
+    if (seams.size() > 2 + candidates.size() / 100) return;
+    for (const std::size_t edge : seams) chosen[edge] = false;
   }
 
   const Dataset& dataset_;

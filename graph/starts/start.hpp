@@ -29,8 +29,9 @@ OdometryRule odometry_rule(const std::string& text);
 /// this agent has (by step; steps may have gaps), in either direction. Agents are pairs of kind and number, so ids that are symbols keep
 /// robots apart; the poses 0, 1, … of a g2o or TORO file are of one agent, whose sessions are told apart:
 ///   - over a gap in the steps of more than 5 × the agent's median gap (steps of other variables do not count) there is none;
-///   - nor where the vertices say that the next pose begins elsewhere: the edge and they differ by more than the agent's median step, by
-///     more than 10 sigma, and by more than 10 × the median of its other edges.
+///   - nor where the vertices say that the next pose begins elsewhere: they are more than 3 × the agent's median step apart, the edge and
+///     they differ by more than that step, by more than 10 sigma, and by more than 10 × the median of its other edges. Where more than 2
+///     and 1 % of an agent's edges were so, its vertices are a poor start and say nothing of sessions.
 /// A switchable or mixture edge is none.
 std::vector<bool> odometry_edges(const Dataset& dataset, const OdometryRule& rule = {});
 

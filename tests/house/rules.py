@@ -83,8 +83,10 @@ INTERNAL_FRIENDS = {
 # Public headers that have no test named after them: where they are tested instead.
 TESTED_ELSEWHERE = {
     "adapters/ceres/block_layout.hpp": "tests/adapters/test_ceres.cpp",
+    "adapters/files/convert.hpp": "tests/adapters/files/test_cases.cpp",
     "adapters/files/problem.hpp": "tests/adapters/test_round_trip.cpp",
     "adapters/files/range_start.hpp": "tests/benchmarks/test_scenarios.cpp",
+    "adapters/files/report.hpp": "tests/adapters/files/test_cases.cpp",
     "adapters/files/to_dataset.hpp": "tests/adapters/test_round_trip.cpp",
     "adapters/files/vertex_value.hpp": "tests/adapters/files/test_edge_to_factor.cpp",
     "adapters/g2o/backend.hpp": "tests/adapters/test_g2o.cpp",
