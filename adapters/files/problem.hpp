@@ -30,8 +30,8 @@ struct Problem {
 
 /// Relative poses become Between, ranges Range, bearings VonMisesBearingBody, relative points RelativePoint, priors Prior (of positions
 /// alone, too). What holds the world in place: FIX lines of variables that there are, and priors of the file, else: PyFG (whose vertices
-/// are truth): a prior on the first pose of each agent, at its vertex, with the sigmas of the agent's first odometry edge; g2o and TORO: the
-/// lowest pose is fixed.
+/// are truth): a prior on the first pose of each agent, at its vertex, with the sigmas of the agent's first odometry edge; g2o and TORO:
+/// the lowest pose is fixed.
 /// Throws BadNumber or BadKey naming the culprit, BadProblem where a convex start fails.
 Problem make_problem(const Dataset& dataset, const ProblemOptions& options = {});
 

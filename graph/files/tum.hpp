@@ -24,9 +24,9 @@ std::unordered_map<Key, double> vertex_times(const Dataset& dataset);
 
 /// The poses (Pose2, Pose3) of each agent into directory/A.tum, directory/r1234.tum, …, sorted by time, then step, the times
 /// strictly increasing: of two poses at one time the later step gets the next double. The directory is made where it is missing. An
-/// agent none of whose poses has a time stamp is written with its STEPS as times; one with stamps for some poses only is a BadFile naming the
-/// first pose without. Agents whose kind is no letter go to agent_<code>.tum or agent_<code>_<number>.tum. Returns the paths written, by
-/// agent.
+/// agent none of whose poses has a time stamp is written with its STEPS as times; one with stamps for some poses only is a BadFile
+/// naming the first pose without. Agents whose kind is no letter go to agent_<code>.tum or agent_<code>_<number>.tum. Returns the
+/// paths written, by agent.
 std::vector<std::string> write_tum_directory(const std::string& directory, const Values& values,
                                              const std::unordered_map<Key, double>& times);
 
