@@ -57,7 +57,8 @@ struct TrackArguments {
   std::string file;  ///< "-": standard input
   double lag = 20;   ///< [s]
   std::string backend = "irls";
-  std::string loss = "huber:2";
+  std::string loss = "truncated_squares:3";
+  bool trust = true;
   std::string leaving = "marginalize";
   std::string format = "json";
   std::string states = "newest";

@@ -19,6 +19,8 @@ CLI::App* add_track(CLI::App& app, TrackArguments& arguments) {
   command->add_option("--lag", arguments.lag, "seconds the window looks back")->capture_default_str();
   command->add_option("--backend", arguments.backend)->capture_default_str();
   command->add_option("--loss", arguments.loss, "of every measurement but the odometry: huber:2, cauchy:1, …")->capture_default_str();
+  command->add_flag("!--no-trust", arguments.trust,
+                    "believe every agent and landmark, also one most of whose latest measurements do not fit");
   command->add_option("--leaving", arguments.leaving, "what happens to states older than the lag")
       ->check(CLI::IsMember({"marginalize", "drop"}))
       ->capture_default_str();
@@ -68,8 +70,9 @@ class OnTermination {
   struct sigaction before_[2];
 };
 
-TrackOptions options_of(const TrackArguments& arguments) {
+TrackOptions options_of(const TrackArguments& arguments, std::ostream& err) {
   TrackOptions options;
+  options.say = [&err](const std::string& text) { err << "holdfast: " << text << '\n'; };
   options.window.lag = arguments.lag;
   options.window.backend = arguments.backend;
   options.window.leaving = arguments.leaving == "drop" ? WindowOptions::Leaving::drop : WindowOptions::Leaving::marginalize;
@@ -78,6 +81,7 @@ TrackOptions options_of(const TrackArguments& arguments) {
   options.loss = Loss::parse(arguments.loss);
   options.seed = arguments.seed;
   options.landmark_sigma = arguments.landmark_sigma;
+  options.trust = arguments.trust;
   options.window.validate();
   if (arguments.resume && arguments.save.empty()) fail<BadOption>("--resume goes on from the file that --save names; give it, too");
   return options;
@@ -98,7 +102,9 @@ std::string json_of(const Tracked& state) {
 class Track {
  public:
   Track(const TrackArguments& arguments, Terminal& terminal)
-      : arguments_(arguments), terminal_(terminal), tracker_(options_of(arguments), [this](const Tracked& state) { print(state); }) {
+      : arguments_(arguments),
+        terminal_(terminal),
+        tracker_(options_of(arguments, terminal.err), [this](const Tracked& state) { print(state); }) {
     if (!arguments.resume || !std::filesystem::exists(arguments.save)) return;
     tracker_.restore(arguments.save);
     skip_ = tracker_.counts().lines;
@@ -160,6 +166,7 @@ class Track {
     say(counts.malformed, "malformed lines");
     say(counts.late, "measurements older than the lag");
     say(counts.refused, "measurements refused");
+    say(counts.withheld, "measurements withheld");
     say(counts.failed, "steps without an answer");
     terminal_.err << (terminated != 0 ? "; ended by a signal\n" : "\n");
     if (counts.late + counts.refused > 0 && !tracker_.last_refusal().empty())

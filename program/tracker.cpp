@@ -29,6 +29,8 @@ void Tracker::line(std::uint64_t number, std::string_view text, const std::strin
   for (const Edge& edge : one.edges) {
     const double time = time_of(edge);
     if (time > now_) advance(time);
+    line_number_ = number;
+    line_text_ = text;
     if (!take(edge)) waiting_.push_back({number, time, std::string(text)});
   }
 }
@@ -123,9 +125,102 @@ bool Tracker::prepare(const RangeEdge& edge, double) {
 template <class E>
 bool Tracker::add(const E& edge, double time) {
   if (!prepare(edge, time)) return add_odometry(edge, time);
-  edge_to_factor(edge, window_.values(),
-                 [&](const auto& factor, auto... keys) { window_.add(factor, {keys...}, sizeof...(keys) == 1 ? Loss{} : options_.loss); });
+  const std::vector<Key> keys = keys_of(edge);
+  if (keys.size() == 1) {
+    put(edge, Loss{});
+  } else if (options_.trust) {
+    const bool believed = trust_.is_believed(party(keys[0])) && trust_.is_believed(party(keys[1]));
+    if (!believed) ++counts_.withheld;
+    hear(edge, time, believed ? put(edge, options_.loss) : FactorId{});
+  } else {
+    put(edge, options_.loss);
+  }
   return true;
+}
+
+FactorId Tracker::put(const Measurement& measurement, const Loss& loss) {
+  return edge_to_factor(measurement, window_.values(),
+                        [&](const auto& factor, auto... keys) { return window_.add(factor, {keys...}, loss); });
+}
+
+// ---- trust
+
+std::uint64_t Tracker::party(Key key) const { return window_.has_agent(key.agent()) ? key.agent().bits() : key.bits(); }
+
+void Tracker::hear(const Measurement& measurement, double time, FactorId id) {
+  const std::vector<Key> keys = keys_of(measurement);
+  heard_.push_back({line_number_, time, line_text_, id, keys[0], keys[1]});
+}
+
+// At the answer; of one that is withheld, given what is known without it.
+bool Tracker::fits(const Heard& one, std::optional<Marginals>& marginals) const {
+  if (one.id.number >= 0) {
+    const Eigen::VectorXd r = window_.graph().residual(one.id, window_.values());
+    return trust_.fits(r.squaredNorm(), static_cast<int>(r.size()));
+  }
+  if (!marginals) marginals.emplace(window_.graph(), window_.values());
+  const Dataset dataset = parse_line(one.number, one.text, "");
+  Graph alone;
+  const FactorId id = edge_to_factor(dataset.edges.front().measurement, window_.values(),
+                                     [&](const auto& factor, auto... keys) { return alone.add(factor, {keys...}); });
+  const auto dim = static_cast<int>(alone.residual(id, window_.values()).size());
+  return trust_.fits(innovation(alone, window_.values(), *marginals), dim);
+}
+
+// After a step: each new measurement, and what follows from it.
+void Tracker::judge() {
+  if (!window_.last_step().summary.usable()) return;
+  std::optional<Marginals> marginals;
+  bool changed = false;
+  for (std::size_t i = 0; i < heard_.size(); ++i) {
+    Heard& one = heard_[i];
+    if (one.is_judged || !has(one.first) || !has(one.second)) continue;
+    one.is_judged = true;
+    if (one.id.number >= 0 && !window_.graph().contains(one.id)) continue;
+    changed = judge(one, fits(one, marginals)) || changed;
+  }
+  while (!heard_.empty() && now_ - heard_.front().time > options_.window.lag) heard_.pop_front();
+  if (changed) window_.step(now_);
+}
+
+// Judged for both ends as long as both are believed, else for those that are not.
+bool Tracker::judge(Heard& one, bool fits) {
+  const bool both = is_believed(one);
+  bool changed = false;
+  for (const Key key : {one.first, one.second}) {
+    const std::uint64_t who = party(key);
+    if (!both && trust_.is_believed(who)) continue;
+    const Trust::Change change = trust_.judge(who, one.number, fits);
+    if (change == Trust::Change::lost) withhold(who, key);
+    if (change == Trust::Change::regained) bring_back(who, key);
+    changed = changed || change != Trust::Change::none;
+  }
+  return changed;
+}
+
+void Tracker::withhold(std::uint64_t party, Key key) {
+  for (const Trust::Judged& doubtful : trust_.doubtful(party))
+    for (Heard& one : heard_) {
+      if (one.number != doubtful.ticket || one.id.number < 0) continue;
+      if (window_.graph().contains(one.id)) window_.remove(one.id);
+      one.id = {};
+      ++counts_.withheld;
+    }
+  const std::string name = window_.has_agent(key.agent()) ? key.agent().str() : key.str();
+  options_.say("t = " + std::to_string(now_) + " s: most of what " + name + " measures does not fit; it is withheld from here on");
+}
+
+// What fits, given all that is known: under a convex loss, since the state has drifted.
+void Tracker::bring_back(std::uint64_t party, Key key) {
+  for (const Trust::Judged& latest : trust_.latest(party))
+    for (Heard& one : heard_) {
+      if (one.number != latest.ticket || !latest.fits || one.id.number >= 0 || !is_believed(one) || !has(one.first) || !has(one.second))
+        continue;
+      one.id = put(parse_line(one.number, one.text, "").edges.front().measurement, Huber{2});
+      --counts_.withheld;
+    }
+  const std::string name = window_.has_agent(key.agent()) ? key.agent().str() : key.str();
+  options_.say("t = " + std::to_string(now_) + " s: what " + name + " measures fits again; it is believed");
 }
 
 template <class V>
@@ -164,6 +259,7 @@ void Tracker::advance(double time) {
     const WindowStep& step = window_.step(now_);
     ++counts_.steps;
     if (!step.summary.usable()) ++counts_.failed;
+    if (options_.trust) judge();
     print_newest();
   }
   now_ = time;
@@ -174,6 +270,8 @@ void Tracker::retry() {
   std::deque<Waiting> waiting = std::exchange(waiting_, {});
   for (Waiting& one : waiting) {
     const Dataset dataset = parse_line(one.number, one.text, "");
+    line_number_ = one.number;
+    line_text_ = one.text;
     if (take(dataset.edges.front())) continue;
     if (now_ - one.time < options_.window.lag) {
       waiting_.push_back(std::move(one));
@@ -230,6 +328,16 @@ void Tracker::save(const std::string& path) const {
   for (const Waiting& one : waiting_) note.put(one.number).put(one.time).put(std::string_view(one.text));
   note.put<std::uint64_t>(printed_.size());
   for (const auto& [agent, time] : printed_) note.put(agent.bits()).put(time);
+  note.put<std::uint64_t>(heard_.size());
+  for (const Heard& one : heard_) {
+    note.put(one.number).put(one.time).put(std::string_view(one.text)).put(one.id.number).put(one.id.generation);
+    note.put(one.first).put(one.second).put(one.is_judged);
+  }
+  note.put<std::uint64_t>(trust_.parties().size());
+  for (const auto& [party, state] : trust_.parties()) {
+    note.put(party).put(state.is_believed).put<std::uint64_t>(state.latest.size());
+    for (const Trust::Judged& one : state.latest) note.put(one.ticket).put(one.fits);
+  }
   window_.save(path, note.bytes());
 }
 
@@ -250,6 +358,30 @@ void Tracker::restore(const std::string& path) {
     const Agent agent = Agent::from_bits(note.get<std::uint32_t>());
     printed_[agent] = note.get<double>();
   }
+  heard_.clear();
+  for (std::size_t count = note.get_count(1); count > 0; --count) {
+    Heard one;
+    one.number = note.get<std::uint64_t>();
+    one.time = note.get<double>();
+    one.text = note.get_text();
+    one.id.number = note.get<int>();
+    one.id.generation = note.get<unsigned>();
+    one.first = note.get_key();
+    one.second = note.get_key();
+    one.is_judged = note.get<bool>();
+    heard_.push_back(std::move(one));
+  }
+  std::map<std::uint64_t, Trust::Party> parties;
+  for (std::size_t count = note.get_count(1); count > 0; --count) {
+    const auto who = note.get<std::uint64_t>();
+    Trust::Party& state = parties[who];
+    state.is_believed = note.get<bool>();
+    for (std::size_t latest = note.get_count(1); latest > 0; --latest) {
+      const auto ticket = note.get<std::uint64_t>();
+      state.latest.push_back({ticket, note.get<bool>()});
+    }
+  }
+  trust_.set_parties(std::move(parties));
 }
 
 }  // namespace holdfast::program

@@ -6,12 +6,15 @@
 // it; of a point it is the place round which its start is drawn (odometry_start), and the prior says how far: without one, a beacon ranged
 // to once is not observable. Other vertices are taken for the truth that errors are measured by. The window is solved whenever the time
 // moves on. A measurement of a state that is not there yet waits for it as long as the lag.
+// With `trust`, a party (an agent or a landmark) most of whose latest measurements do not fit is not believed (solvers/window/trust.hpp): what
+// it measures is withheld, and its doubtful measurements leave the window, until they fit again. Those come back under Huber's loss.
 #pragma once
 
 #include <deque>
 #include <functional>
 #include <holdfast/graph/files/binary.hpp>
 #include <holdfast/graph/files/dataset.hpp>
+#include <holdfast/solvers/window/trust.hpp>
 #include <holdfast/solvers/window/window.hpp>
 #include <map>
 
@@ -22,6 +25,8 @@ struct TrackOptions {
   Loss loss;                  ///< of every measurement but the odometry and the priors
   unsigned seed = 0;          ///< of the points' start
   double landmark_sigma = 1;  ///< > 0 [m]: how far that start is from the vertex, and its prior
+  bool trust = true;
+  std::function<void(const std::string&)> say = [](const std::string&) {};  ///< who is not believed, or believed again, in words
 };
 
 struct TrackCounts {
@@ -31,7 +36,8 @@ struct TrackCounts {
   std::uint64_t late = 0;     ///< refused: older than the lag
   std::uint64_t refused = 0;  ///< never fitted: a state or landmark that nobody knows, a wrong type
   std::uint64_t malformed = 0;
-  std::uint64_t failed = 0;  ///< steps without a usable answer
+  std::uint64_t failed = 0;    ///< steps without a usable answer
+  std::uint64_t withheld = 0;  ///< measurements of those that were not believed
   std::uint64_t scored = 0, scored_leaving = 0;
   double squared_error = 0, squared_error_leaving = 0;  ///< [m²] of states when they were the newest, and when they left
 
@@ -73,6 +79,15 @@ class Tracker {
     double time;
     std::string text;
   };
+  /// A measurement between two variables that is or may come into the window.
+  struct Heard {
+    std::uint64_t number;  ///< of its line
+    double time;
+    std::string text;
+    FactorId id;  ///< number −1: withheld
+    Key first, second;
+    bool is_judged = false;
+  };
   void take(const Vertex& vertex);
   bool take(const Edge& edge);  ///< false: it waits for a state
   template <class E>
@@ -106,6 +121,15 @@ class Tracker {
   void add_landmark(Key key, const P& start, double sigma);
   double time_of(Key key, double otherwise) const;
   double time_of(const Edge& edge) const;
+  std::uint64_t party(Key key) const;
+  bool is_believed(const Heard& one) const { return trust_.is_believed(party(one.first)) && trust_.is_believed(party(one.second)); }
+  void hear(const Measurement& measurement, double time, FactorId id);
+  FactorId put(const Measurement& measurement, const Loss& loss);
+  bool fits(const Heard& one, std::optional<Marginals>& marginals) const;
+  void judge();
+  bool judge(Heard& one, bool fits);  ///< true: somebody's trust has changed
+  void withhold(std::uint64_t party, Key key);
+  void bring_back(std::uint64_t party, Key key);
   void advance(double time);
   void retry();
   void print_newest();
@@ -123,6 +147,10 @@ class Tracker {
   std::map<Agent, double> printed_;  ///< the time of each agent's newest state that was printed
   TrackCounts counts_;
   std::string last_refusal_;
+  Trust trust_;
+  std::deque<Heard> heard_;  ///< of the last seconds, as long as the lag
+  std::uint64_t line_number_ = 0;
+  std::string line_text_;  ///< of the line at hand
 };
 
 }  // namespace holdfast::program
