@@ -5,6 +5,7 @@
 #include <holdfast/graph/starts/start.hpp>
 #include <holdfast/program/pyfg_lines.hpp>
 #include <holdfast/program/tracker.hpp>
+#include <holdfast/solvers/table.hpp>
 
 namespace holdfast::program {
 
@@ -191,6 +192,10 @@ bool Tracker::judge(Heard& one, bool fits) {
     const std::uint64_t who = party(key);
     if (!both && trust_.is_believed(who)) continue;
     const Trust::Change change = trust_.judge(who, one.number, fits);
+    if (change == Trust::Change::regained && !fit_together(who)) {
+      trust_.disbelieve(who);
+      continue;
+    }
     if (change == Trust::Change::lost) withhold(who, key);
     if (change == Trust::Change::regained) bring_back(who, key);
     changed = changed || change != Trust::Change::none;
@@ -208,6 +213,26 @@ void Tracker::withhold(std::uint64_t party, Key key) {
     }
   const std::string name = window_.has_agent(key.agent()) ? key.agent().str() : key.str();
   options_.say("t = " + std::to_string(now_) + " s: most of what " + name + " measures does not fit; it is withheld from here on");
+}
+
+// Its latest measurements with all that is known: as many fit, within the plain gate, as are to fit.
+bool Tracker::fit_together(std::uint64_t party) const {
+  Graph graph = window_.graph();
+  Values values = window_.values();
+  std::vector<FactorId> tried;
+  for (const Trust::Judged& latest : trust_.latest(party))
+    for (const Heard& one : heard_) {
+      if (one.number != latest.ticket || one.id.number >= 0 || !has(one.first) || !has(one.second)) continue;
+      const Dataset dataset = parse_line(one.number, one.text, "");
+      tried.push_back(edge_to_factor(dataset.edges.front().measurement, values,
+                                     [&](const auto& factor, auto... keys) { return graph.add(factor, {keys...}, Huber{1}); }));
+    }
+  if (tried.empty() || !make_backend("irls", options_.window.solver)->solve(graph, values).usable()) return false;
+  const auto count = std::count_if(tried.begin(), tried.end(), [&](FactorId id) {
+    const Eigen::VectorXd r = graph.residual(id, values);
+    return trust_.fits(r.squaredNorm(), static_cast<int>(r.size()));
+  });
+  return static_cast<double>(count) >= trust_.options().regained * static_cast<double>(tried.size());
 }
 
 // What fits, given all that is known: under a convex loss, since the state has drifted.

@@ -129,6 +129,7 @@ class Tracker {
   void judge();
   bool judge(Heard& one, bool fits);  ///< true: somebody's trust has changed
   void withhold(std::uint64_t party, Key key);
+  bool fit_together(std::uint64_t party) const;
   void bring_back(std::uint64_t party, Key key);
   void advance(double time);
   void retry();

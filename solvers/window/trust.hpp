@@ -8,15 +8,16 @@
 //   const bool would = trust.fits(innovation(one, window.values(), marginals), dim); // of one that is withheld: given what is known
 //   switch (trust.judge(party, ticket, fits)) {
 //     case Trust::Change::lost: …      // take doubtful(party) out of the window, and withhold what it measures from now on
-//     case Trust::Change::regained: …  // put those of latest(party) that fit into the window again, under a convex loss
+//     case Trust::Change::regained: …  // put those of latest(party) that fit into the window again, under a convex loss; or disbelieve(party)
 //   }
 //
 //   fits        ‖r‖² ≤ gate² + 2.4 (dim − 1); withheld: rᵀ (I + J P Jᵀ)⁻¹ r in its place, P the covariance of what is known without it
 //   lost        fewer than `lost` of the `recent` latest fit
 //   regained    at least `regained` of the `recent` latest fit
 //
-// While a party is not believed its state goes on by its motion, P grows, and with it what fits: honest covariances cannot lock it out,
-// and what is uniform over a range far wider than 2 · gate sigmas is not believed. A measurement between two parties is judged for
+// While a party is not believed its state goes on by its motion, P grows, and with it what fits: honest covariances cannot lock it out. In the
+// end nearly everything fits by itself; so before it is believed again its latest measurements are to be tried together: solve for
+// them, and see whether as many fit within the plain gate (disbelieve() where they do not). A measurement between two parties is judged for
 // both as long as both are believed, else for those that are not: so of an agent in a burst only the agent is accused, and a beacon
 // that lies is named and the agent is not.
 #pragma once
@@ -54,6 +55,8 @@ class Trust {
   /// One more measurement of this party. ticket: the caller's name of it.
   Change judge(std::uint64_t party, std::uint64_t ticket, bool fits);
   bool is_believed(std::uint64_t party) const;
+  /// After Change::regained, where its measurements do not fit together after all.
+  void disbelieve(std::uint64_t party) { parties_[party].is_believed = false; }
   /// Its latest measurements, oldest first.
   std::vector<Judged> latest(std::uint64_t party) const;
   /// Of them, those since the first that did not fit.

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <array>
 #include <csignal>
 #include <iostream>
 #include <map>
@@ -99,6 +100,102 @@ TEST_F(CliTrack, ReportsAMalformedLineAndGoesOnOrNot) {
   const Outcome strict = piped(text, {"--strict"});
   EXPECT_EQ(strict.code, kFailed);
   EXPECT_THAT(strict.err, HasSubstr("line 35"));
+}
+
+/// A robot on a circle among four beacons, a range in every step; `lie` changes the range of this step to this beacon.
+template <class Lie>
+std::string ring_of_beacons(int steps, unsigned seed, const Lie& lie) {
+  std::mt19937_64 rng(seed);
+  std::normal_distribution<double> normal;
+  const double beacons[4][2] = {{-15, -10}, {15, -12}, {14, 13}, {-13, 14}};
+  const double turn = 0.02, radius = 0.2 / turn;
+  const auto pose = [&](int k) { return std::array<double, 3>{radius * std::sin(turn * k), -radius * std::cos(turn * k), turn * k}; };
+  std::ostringstream text;
+  text.precision(12);
+  for (int l = 0; l < 4; ++l) text << "VERTEX_XY L" << l << ' ' << beacons[l][0] << ' ' << beacons[l][1] << '\n';
+  for (int k = 0; k < steps; ++k)
+    text << "VERTEX_SE2 " << 0.2 * k << " A" << k << ' ' << pose(k)[0] << ' ' << pose(k)[1] << ' ' << pose(k)[2] << '\n';
+  for (int k = 1; k < steps; ++k) {
+    const double half = 0.5 * turn, chord = 2 * radius * std::sin(half);
+    text << "EDGE_SE2 " << 0.2 * k << " A" << k - 1 << " A" << k << ' ' << chord * std::cos(half) + 0.01 * normal(rng) << ' '
+         << chord * std::sin(half) + 0.01 * normal(rng) << ' ' << turn + 0.002 * normal(rng) << " 1e-4 0 0 1e-4 0 4e-6\n";
+    const int l = k % 4;
+    const double distance = std::hypot(pose(k)[0] - beacons[l][0], pose(k)[1] - beacons[l][1]) + 0.1 * normal(rng);
+    text << "EDGE_RANGE " << 0.2 * k << " A" << k << " L" << l << ' ' << lie(k, l, distance, rng) << " 0.01\n";
+  }
+  return text.str();
+}
+
+double worst_error(const std::string& out, int from, int to) {
+  double worst = 0;
+  for (const auto& state : states_of(out)) {
+    const int k = std::stoi(state["key"].get<std::string>().substr(1));
+    if (k < from || k >= to) continue;
+    worst = std::max(
+        worst, std::hypot(state["p"][0].get<double>() - 10 * std::sin(0.02 * k), state["p"][1].get<double>() + 10 * std::cos(0.02 * k)));
+  }
+  return worst;
+}
+
+// Nothing but outliers for five, fifteen and thirty seconds, at random or all too long by the same: the odometry holds, the window says so,
+// and is back two seconds later.
+TEST_F(CliTrack, HoldsThroughABurstOfOutliersAndIsBack) {
+  for (const int steps : {25, 75, 150})
+    for (const bool biased : {false, true})
+      for (unsigned seed = 1; seed <= 4; ++seed) {
+        const int begin = 200, end = begin + steps;
+        const std::string text = ring_of_beacons(end + 150, seed, [&](int k, int, double distance, std::mt19937_64& rng) {
+          if (k < begin || k >= end) return distance;
+          return biased ? distance + 12 : 100 * std::generate_canonical<double, 53>(rng);
+        });
+        const Outcome outcome = holdfast_program({"track", write("burst.pyfg", text), "--lag", "20", "--landmark-sigma", "0.1"});
+        EXPECT_EQ(outcome.code, kDone) << outcome.err;
+        const std::string of =
+            std::to_string(steps) + (biased ? " biased" : " random") + " steps, seed " + std::to_string(seed) + '\n' + outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr("most of what A measures does not fit")) << of;
+        EXPECT_THAT(outcome.err, HasSubstr("what A measures fits again")) << of;
+        EXPECT_LT(worst_error(outcome.out, begin, end), 2.0) << of;
+        EXPECT_LT(worst_error(outcome.out, end + 10, end + 150), 0.5) << of;
+      }
+}
+
+TEST_F(CliTrack, NamesABeaconThatLies) {
+  int named = 0, accused = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const std::string text = ring_of_beacons(
+        300, seed, [&](int k, int l, double distance, std::mt19937_64&) { return l == 2 && k > 100 ? distance + 8 : distance; });
+    const Outcome outcome = holdfast_program({"track", write("liar.pyfg", text), "--lag", "20", "--landmark-sigma", "0.1"});
+    named += outcome.err.find("most of what L2 measures does not fit") != std::string::npos;
+    for (const char* other : {"of what A ", "of what L0 ", "of what L1 ", "of what L3 "})
+      accused += outcome.err.find(other) != std::string::npos;
+    EXPECT_LT(worst_error(outcome.out, 120, 300), 0.6) << outcome.err;
+  }
+  EXPECT_GE(named, 19);
+  EXPECT_EQ(accused, 0);
+}
+
+TEST_F(CliTrack, ResumesInTheMiddleOfABurst) {
+  const std::string text = ring_of_beacons(400, 1, [&](int k, int, double distance, std::mt19937_64& rng) {
+    return k < 200 || k >= 260 ? distance : 100 * std::generate_canonical<double, 53>(rng);
+  });
+  const Outcome whole = piped(text, {"--save", at("whole")});
+  const std::size_t end = text.find('\n', text.find("EDGE_RANGE 46 ")) + 1;  // k = 230
+  struct Ending : std::stringbuf {
+    using std::stringbuf::stringbuf;
+    int_type underflow() override {
+      const int_type next = std::stringbuf::underflow();
+      if (next == traits_type::eof()) std::raise(SIGTERM);
+      return next;
+    }
+  } ending(text.substr(0, end));
+  std::streambuf* const before = std::cin.rdbuf(&ending);
+  std::cin.clear();
+  const Outcome first = holdfast_program({"track", "-", "--save", at("part")});
+  std::cin.rdbuf(before);
+  EXPECT_THAT(first.err, HasSubstr("most of what A measures"));
+  const Outcome second = piped(text, {"--save", at("part"), "--resume"});
+  EXPECT_EQ(first.out + second.out, whole.out);
+  EXPECT_EQ(text_of(at("part")), text_of(at("whole")));
 }
 
 TEST_F(CliTrack, ResumesAfterTheLastLineTaken) {
