@@ -159,6 +159,10 @@ bool Tracker::fits(const Heard& one, std::optional<Marginals>& marginals) const 
     const Eigen::VectorXd r = window_.graph().residual(one.id, window_.values());
     return trust_.fits(r.squaredNorm(), static_cast<int>(r.size()));
   }
+  return fits_what_is_known(one, marginals);
+}
+
+bool Tracker::fits_what_is_known(const Heard& one, std::optional<Marginals>& marginals) const {
   if (!marginals) marginals.emplace(window_.graph(), window_.values());
   const Dataset dataset = parse_line(one.number, one.text, "");
   Graph alone;
@@ -178,7 +182,13 @@ void Tracker::judge() {
     if (one.is_judged || !has(one.first) || !has(one.second)) continue;
     one.is_judged = true;
     if (one.id.number >= 0 && !window_.graph().contains(one.id)) continue;
-    changed = judge(one, fits(one, marginals)) || changed;
+    bool does_fit = fits(one, marginals);
+    if (!does_fit && one.id.number >= 0 && fits_what_is_known(one, marginals)) {  // the state has drifted: the loss let go of what is right
+      window_.remove(one.id);
+      one.id = put(parse_line(one.number, one.text, "").edges.front().measurement, Huber{2});
+      does_fit = changed = true;
+    }
+    changed = judge(one, does_fit) || changed;
   }
   while (!heard_.empty() && now_ - heard_.front().time > options_.window.lag) heard_.pop_front();
   if (changed) window_.step(now_);

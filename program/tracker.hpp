@@ -6,8 +6,9 @@
 // it; of a point it is the place round which its start is drawn (odometry_start), and the prior says how far: without one, a beacon ranged
 // to once is not observable. Other vertices are taken for the truth that errors are measured by. The window is solved whenever the time
 // moves on. A measurement of a state that is not there yet waits for it as long as the lag.
-// With `trust`, a party (an agent or a landmark) most of whose latest measurements do not fit is not believed (solvers/window/trust.hpp): what
-// it measures is withheld, and its doubtful measurements leave the window, until they fit again. Those come back under Huber's loss.
+// With `trust`, a party (an agent or a landmark) most of whose latest measurements do not fit is not believed
+// (solvers/window/trust.hpp): what it measures is withheld, and its doubtful measurements leave the window, until they fit again. Those
+// come back under Huber's loss, as does what the loss lets go of although it fits what is known without it: the state has drifted.
 #pragma once
 
 #include <deque>
@@ -126,6 +127,7 @@ class Tracker {
   void hear(const Measurement& measurement, double time, FactorId id);
   FactorId put(const Measurement& measurement, const Loss& loss);
   bool fits(const Heard& one, std::optional<Marginals>& marginals) const;
+  bool fits_what_is_known(const Heard& one, std::optional<Marginals>& marginals) const;
   void judge();
   bool judge(Heard& one, bool fits);  ///< true: somebody's trust has changed
   void withhold(std::uint64_t party, Key key);

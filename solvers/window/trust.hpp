@@ -8,7 +8,7 @@
 //   const bool would = trust.fits(innovation(one, window.values(), marginals), dim); // of one that is withheld: given what is known
 //   switch (trust.judge(party, ticket, fits)) {
 //     case Trust::Change::lost: …      // take doubtful(party) out of the window, and withhold what it measures from now on
-//     case Trust::Change::regained: …  // put those of latest(party) that fit into the window again, under a convex loss; or disbelieve(party)
+//     case Trust::Change::regained: …  // put those of latest(party) that fit into the window again, under a convex loss, or disbelieve()
 //   }
 //
 //   fits        ‖r‖² ≤ gate² + 2.4 (dim − 1); withheld: rᵀ (I + J P Jᵀ)⁻¹ r in its place, P the covariance of what is known without it
