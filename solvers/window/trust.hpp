@@ -15,10 +15,10 @@
 //   lost        fewer than `lost` of the `recent` latest fit
 //   regained    at least `regained` of the `recent` latest fit
 //
-// While a party is not believed its state goes on by its motion, P grows, and with it what fits: honest covariances cannot lock it out. In the
-// end nearly everything fits by itself; so before it is believed again its latest measurements are to be tried together: solve for
-// them, and see whether as many fit within the plain gate (disbelieve() where they do not). A measurement between two parties is judged for
-// both as long as both are believed, else for those that are not: so of an agent in a burst only the agent is accused, and a beacon
+// While a party is not believed its state goes on by its motion, P grows, and with it what fits: honest covariances cannot lock it out.
+// In the end nearly everything fits by itself; so before it is believed again its latest measurements are to be tried together: solve for
+// them, and see whether as many fit within the plain gate (disbelieve() where they do not). A measurement between two parties is judged
+// for both as long as both are believed, else for those that are not: so of an agent in a burst only the agent is accused, and a beacon
 // that lies is named and the agent is not.
 #pragma once
 
