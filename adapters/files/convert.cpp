@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <holdfast/adapters/files/convert.hpp>
 #include <holdfast/adapters/files/problem.hpp>
+#include <holdfast/graph/files/jrl.hpp>
 #include <holdfast/graph/starts/start.hpp>
 #include <map>
 
@@ -19,8 +20,8 @@ class Converter {
 
   Conversion convert() {
     Dataset& dataset = result_.dataset;
-    if (dataset.format == format_) return std::move(result_);
     leave_out_unknown();
+    if (dataset.format == format_ && format_ != Format::PyFG) return std::move(result_);
     if (format_ == Format::PyFG) {
       complete();
       add_times();
@@ -38,9 +39,15 @@ class Converter {
 
   void leave_out_unknown() {
     Dataset& dataset = result_.dataset;
-    if (dataset.unknown.empty()) return;
-    note(unknown_report(dataset));
-    dataset.unknown.clear();
+    Dataset left_out;
+    left_out.name = dataset.name;
+    for (const UnknownLine& line : dataset.unknown)
+      if (dataset.format != format_ || is_of_jrl(line)) left_out.unknown.push_back(line);
+    if (left_out.unknown.empty()) return;
+    note(unknown_report(left_out));
+    dataset.unknown.erase(std::remove_if(dataset.unknown.begin(), dataset.unknown.end(),
+                                         [&](const UnknownLine& line) { return dataset.format != format_ || is_of_jrl(line); }),
+                          dataset.unknown.end());
   }
   void leave_out_offsets() {
     for (Edge& edge : result_.dataset.edges)

@@ -4,6 +4,7 @@
 #include <holdfast/graph/files/files.hpp>
 #include <holdfast/graph/files/internal/formats.hpp>
 #include <holdfast/graph/files/internal/parser.hpp>
+#include <holdfast/graph/files/jrl.hpp>
 #include <istream>
 #include <iterator>
 #include <unordered_set>
@@ -67,6 +68,11 @@ Dataset parse_text(std::string_view text, const std::string& name, Format format
   return dataset;
 }
 
+bool is_json(std::string_view text) {
+  const std::size_t first = text.find_first_not_of("\xEF\xBB\xBF \t\r\n");
+  return first != std::string_view::npos && text[first] == '{';
+}
+
 std::string all_of(std::istream& in, const std::string& name) {
   std::string text{std::istreambuf_iterator<char>(in), {}};
   if (in.bad()) fail<BadFile>("cannot read ", name, ": the stream failed");
@@ -78,6 +84,7 @@ std::string all_of(std::istream& in, const std::string& name) {
 
 Dataset read_dataset(const std::string& path, const ReadOptions& options) {
   const std::string text = io::read_file(path);
+  if (is_json(text)) return parse_jrl(text, path);
   return parse_text(text, path, io::recognise(text, path), options);
 }
 
@@ -87,6 +94,7 @@ Dataset read_dataset(const std::string& path, Format format, const ReadOptions& 
 
 Dataset parse_dataset(std::istream& in, const std::string& name, const ReadOptions& options) {
   const std::string text = all_of(in, name);
+  if (is_json(text)) return parse_jrl(text, name);
   return parse_text(text, name, io::recognise(text, name), options);
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <holdfast/graph/files/files.hpp>
 #include <holdfast/graph/files/internal/formats.hpp>
+#include <holdfast/graph/files/jrl.hpp>
 #include <limits>
 
 namespace holdfast {
@@ -71,7 +72,7 @@ class Writer {
     text_.end_line();
   }
   void write(const UnknownLine& unknown) {
-    if (dataset_.format != format_)
+    if (dataset_.format != format_ || is_of_jrl(unknown))
       io::cannot_hold(format_, "line " + std::to_string(unknown.line) + " '" + io::excerpt(unknown.text) + "' of " + dataset_.name,
                       "its tag is unknown; clear `unknown` to leave it out");
     write_line(unknown.text);

@@ -271,5 +271,113 @@ TEST(Cases, Edge2ByRows) {
   solved(data);
 }
 
+// ---- kinds that have no file in ../shared/cases
+
+TEST(Kinds, AnIndefiniteMatrixIsRefusedOrRepairedByName) {
+  const std::string text = "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\nEDGE_SE2 1 2 1 0 0 1 0 0 1 0 -3\nEDGE_SE2 2 3 1 0 0 1 2 0 1 0 1\n";
+  expect_message<BadFile>([&] { parsed(text, Format::G2o); }, {"line 2", "smallest eigenvalue is -3", "--indefinite repair"});
+  ReadOptions options;
+  options.repair = true;
+  std::istringstream in(text);
+  const Dataset data = parse_dataset(in, "a.g2o", Format::G2o, options);
+  ASSERT_EQ(data.repairs.size(), 2u);
+  EXPECT_EQ(data.repairs[0].line, 2u);
+  EXPECT_NEAR(data.repairs[1].smallest, -1, 1e-12);
+  // diag(1, 1, −3): the nearest is diag(1, 1, 0), 3 away of √11.
+  EXPECT_NEAR(data.repairs[0].moved, 3 / std::sqrt(11), 1e-12);
+  Matrix<3, 3> nearest;
+  nearest << 1.5, 1.5, 0, 1.5, 1.5, 0, 0, 0, 1;
+  EXPECT_LT((edges_of<RelativePoseEdge<Pose2>>(data)[2]->noise.written - nearest).norm(), 1e-12);
+  const std::vector<Finding> findings = of_kind(check(data), Finding::Kind::repaired_noise);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_NE(findings[0].text.find("line 2"), std::string::npos);
+  EXPECT_NE(findings[0].text.find("line 3"), std::string::npos);
+}
+
+TEST(Kinds, EdgesWithoutInformationHaveTheIdentityAndThatIsSaidOnce) {
+  const Dataset data = parsed("EDGE3 0 1 1 0 0 0 0 0\nEDGE3 1 2 1 0 0 0 0 0\n", Format::Toro);
+  EXPECT_EQ(edges_of<RelativePoseEdge<Pose3>>(data)[1]->noise.written, (Matrix<6, 6>::Identity()));
+  ASSERT_EQ(check(data).size(), 1u);
+  EXPECT_NE(check(data)[0].text.find("2 edges have no information"), std::string::npos) << check(data)[0].text;
+  EXPECT_EQ(written(data), "EDGE3 0 1 1 0 0 0 0 0\nEDGE3 1 2 1 0 0 0 0 0\n");
+}
+
+TEST(Kinds, TextOfIsam) {
+  const std::string text = "ODOMETRY 0 1 1 0 0 10 0 0 10 0 20\nLANDMARK 1 0 1 2 5 0 5\nODOMETRY 1 2 1 0 0 10 1 0 10 0 20\n";
+  const Dataset data = parsed(text, Format::Toro);
+  const auto steps = edges_of<RelativePoseEdge<Pose2>>(data);
+  Matrix<3, 3> expected;
+  expected << 100, 10, 0, 10, 101, 0, 0, 0, 400;  // RᵀR
+  EXPECT_LT((steps[1]->noise.written - expected).norm(), 1e-12);
+  EXPECT_EQ(edges_of<RelativePointEdge<Point2>>(data)[0]->landmark, Key('l', 0));
+  EXPECT_LT((vertex_start(data).at<Point2>(Key('l', 0)).value - Vector<2>(2, 2)).norm(), 1e-12);
+  EXPECT_EQ(of_kind(check(data), Finding::Kind::isam_noise).size(), 1u);
+  EXPECT_EQ(written(data), text);
+  ReadOptions options;
+  options.isam_noise = ReadOptions::IsamNoise::covariance;
+  std::istringstream in("ODOMETRY 0 1 1 0 0 0.25 0 0 0.25 0 0.01\n");
+  const Dataset other = parse_dataset(in, "a.txt", Format::Toro, options);
+  EXPECT_NEAR(edges_of<RelativePoseEdge<Pose2>>(other)[0]->noise.written(2, 2), 100, 1e-9);
+}
+
+TEST(Kinds, BearingAndRangeOfGtsam) {
+  const Dataset data = parsed("EDGE2 0 1 1 0 0 1 0 1 1 0 0\nBR 1 4 1.5707963267948966 2 0.1 0.5\n", Format::Toro);
+  ASSERT_EQ(data.edges.size(), 3u);
+  EXPECT_NEAR(edges_of<BearingEdge>(data)[0]->information, 100, 1e-9);
+  EXPECT_EQ(edges_of<RangeEdge>(data)[0]->variance, 0.25);
+  EXPECT_LT((vertex_start(data).at<Point2>(Key('l', 4)).value - Vector<2>(1, 2)).norm(), 1e-12);
+  EXPECT_EQ(written(data), "EDGE2 0 1 1 0 0 1 0 1 1 0 0\nBR 1 4 1.5707963267948966 2 0.1 0.5\n");
+}
+
+TEST(Kinds, LandmarksOfBearingsAloneBeginWhereTwoMeet) {
+  const Dataset data = parsed(
+      "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 2 0 0\nEDGE_BEARING_SE2_XY 0 9 0.7853981633974483 1\n"
+      "EDGE_BEARING_SE2_XY 1 9 2.356194490192345 1\n",
+      Format::G2o);
+  EXPECT_LT((vertex_start(data).at<Point2>(x(9)).value - Vector<2>(1, 1)).norm(), 1e-12);
+}
+
+TEST(Kinds, AVertexThatIsAddedStandsBeforeTheFirstEdge) {
+  const std::string text = "# head\nVERTEX_SE2 0 0 0 0\nDATA 7\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n# end\n";
+  const Dataset data = parsed(text, Format::G2o);
+  EXPECT_EQ(to_g2o(with_values(data, vertex_start(data))),
+            "# head\nVERTEX_SE2 0 0 0 0\nDATA 7\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n# end\n");
+}
+
+TEST(Kinds, AMeasurementThatIsChangedIsNotWrittenAsItWasRead) {
+  Dataset data = parsed("EDGE_SE2_SWITCHABLE 0 5 6 5 0 0 100 0 0 100 0 400\n", Format::G2o);
+  std::get<RelativePoseEdge<Pose2>>(data.edges[0].measurement).measured.p[0] = 4;
+  EXPECT_EQ(to_g2o(data), "EDGE_SE2 0 5 4 0 0 100 0 0 100 0 400\n");
+}
+
+TEST(Kinds, AcrossAnUnusualGapThereIsNoOdometry) {
+  const std::string unit = " 1 0 0 1 0 0 1 0 1\n";
+  const auto edge = [&](int i, int j) { return "EDGE_SE2 " + std::to_string(i) + " " + std::to_string(j) + unit; };
+  EXPECT_EQ(odometry_edges(parsed(edge(0, 1) + edge(1, 2) + edge(2, 3) + edge(3, 100) + edge(100, 101), Format::G2o)),
+            (std::vector<bool>{true, true, true, false, true}));
+  EXPECT_EQ(odometry_edges(parsed(edge(0, 10) + edge(10, 20) + edge(20, 45) + edge(55, 45), Format::G2o)),
+            (std::vector<bool>{true, true, true, true}));
+  // Ids of landmarks are no gap.
+  EXPECT_EQ(odometry_edges(parsed("VERTEX_XY 2 0 0\nVERTEX_XY 3 0 0\nVERTEX_XY 4 0 0\nVERTEX_XY 5 0 0\nVERTEX_XY 6 0 0\nVERTEX_XY 7 0 0\n" +
+                                      edge(0, 1) + edge(1, 8) + edge(8, 9),
+                                  Format::G2o)),
+            (std::vector<bool>{true, true, true}));
+}
+
+TEST(Kinds, ConvertingSaysWhatIsLeftOut) {
+  const Dataset data = parsed("VERTEX_SE2 0 0 0 0\nFIX 0\nDATA 7\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n", Format::G2o, "a.g2o");
+  const Conversion pyfg = converted(data, Format::PyFG);
+  std::string notes;
+  for (const std::string& note : pyfg.notes) notes += note + '\n';
+  for (const char* part : {"DATA", "1 vertex added", "time stamps made of the steps", "1 fixed variable written as priors"})
+    EXPECT_NE(notes.find(part), std::string::npos) << notes;
+  const Dataset again = parsed(to_pyfg(pyfg.dataset), Format::PyFG);
+  EXPECT_EQ(again.vertices.size(), 2u);
+  EXPECT_EQ(again.edges.size(), 2u);
+  EXPECT_EQ(format_of_name("dir.v1/a.g2o"), Format::G2o);
+  EXPECT_EQ(format_of_name("a.toro"), Format::Toro);
+  EXPECT_FALSE(format_of_name("dir.g2o/a"));
+}
+
 }  // namespace
 }  // namespace holdfast
