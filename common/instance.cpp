@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <holdfast/adapters/files/range_start.hpp>
 #include <holdfast/adapters/files/report.hpp>
 #include <holdfast/common/instance.hpp>
 #include <holdfast/graph/files/files.hpp>
+#include <holdfast/graph/files/jrl.hpp>
 #include <holdfast/graph/files/tum.hpp>
 #include <sstream>
 #ifdef HOLDFAST_WITH_MRPT
@@ -43,10 +45,23 @@ Values true_beacons(const std::string& path) {
   return truth;
 }
 
+/// Its vertices may be a start, and its truth stand beside them.
+bool is_jrl(const Dataset& dataset) {
+  return std::any_of(dataset.edges.begin(), dataset.edges.end(),
+                     [](const Edge& edge) { return std::string_view(edge.tag).find("Factor") != std::string_view::npos; });
+}
+
 bool is_rawlog(const std::string& path) { return fs::path(path).extension() == ".rawlog"; }
 
 /// What is known of the answer: a PyFG file's own vertices, else the file of the same name that mrpt-common puts beside its data.
 Values truth_of(const Dataset& dataset, const std::string& path) {
+  if (is_jrl(dataset)) {
+    std::ifstream file(path, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    Dataset truth;
+    truth.vertices = parse_jrl_truth(text, path);
+    return true_poses(truth);
+  }
   if (dataset.format == Format::PyFG) return true_poses(dataset);
   const std::string stem = fs::path(path).replace_extension().string();
   if (is_rawlog(path)) return true_beacons(stem + "_ground_truth.txt");

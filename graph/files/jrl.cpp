@@ -37,6 +37,10 @@ class Reader {
     dataset_.name = name;
   }
 
+  std::vector<Vertex> read_truth() {
+    if (const JsonValue* truth = root_.find("groundtruth")) read_values(*truth);
+    return std::move(dataset_.vertices);
+  }
   Dataset read() {
     if (root_.type != JsonValue::Type::object || root_.find("measurements") == nullptr)
       error(root_, "expected an object with the member \"measurements\" (JRL)");
@@ -445,6 +449,8 @@ class Writer {
 }  // namespace
 
 Dataset parse_jrl(std::string_view text, const std::string& name) { return Reader(text, name).read(); }
+
+std::vector<Vertex> parse_jrl_truth(std::string_view text, const std::string& name) { return Reader(text, name).read_truth(); }
 
 std::string to_jrl(const Dataset& dataset) { return Writer(dataset).write(); }
 

@@ -22,6 +22,9 @@ namespace holdfast {
 /// BadFile names the file, the line, what was found and what was expected.
 Dataset parse_jrl(std::string_view text, const std::string& name);
 
+/// Its `groundtruth`, empty where it has none.
+std::vector<Vertex> parse_jrl_truth(std::string_view text, const std::string& name);
+
 /// Measurements by robot (the kind of their first key) and time stamp; the values are the `initialization`. BadFile where a measurement
 /// has no covariance (a semidefinite information), or is a step or bearing that JRL has no factor for; a fixed variable.
 std::string to_jrl(const Dataset& dataset);

@@ -345,6 +345,15 @@ std::vector<bool> odometry_edges(const Dataset& dataset, const OdometryRule& rul
   std::vector<bool> chosen(dataset.edges.size(), false);
   if (rule.kind == OdometryRule::Kind::none) return chosen;
   for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = ends_of(dataset.edges[i].measurement) && dataset.edges[i].tag == rule.tag;
+  if (std::find(chosen.begin(), chosen.end(), true) == chosen.end()) {
+    std::set<std::string> tags;
+    for (const Edge& edge : dataset.edges)
+      if (ends_of(edge.measurement)) tags.insert(edge.tag);
+    std::string there_are;
+    for (const std::string& tag : tags) there_are += " " + tag;
+    fail<BadOption>("no relative pose of ", dataset.name, " has the tag '", rule.tag, "' of the odometry; there are:", there_are,
+                    "; or give consecutive or none");
+  }
   return chosen;
 }
 

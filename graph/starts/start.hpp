@@ -4,7 +4,8 @@
 // x_second = x_first · measured, or x_first = x_second · measured⁻¹. Odometry goes first: another edge is used only where no
 // odometry edge leads on; among several the first in the file counts. Where no edge leads on, the lowest pose left that has a vertex
 // starts again there; when none is left, the lowest pose at its prior, or at the identity without one.
-// A landmark without a vertex is put where the first relative point puts it that names it, else at its prior.
+// A landmark without a vertex is put where the first relative point puts it that names it, else at its prior, else where a bearing puts it:
+// at the range from the same pose if there is one, else where two bearings meet, else 1 m away.
 // BadKey names a key that only ranges know: they say not where it is, give it a vertex.
 #pragma once
 
@@ -32,7 +33,7 @@ OdometryRule odometry_rule(const std::string& text);
 ///   - nor where the vertices say that the next pose begins elsewhere: they are more than 3 × the agent's median step apart, the edge and
 ///     they differ by more than that step, by more than 10 sigma, and by more than 10 × the median of its other edges. Where more than 2
 ///     and 1 % of an agent's edges were so, its vertices are a poor start and say nothing of sessions.
-/// A switchable or mixture edge is none.
+/// A switchable or mixture edge is none. BadOption where the rule is a tag that no relative pose has.
 std::vector<bool> odometry_edges(const Dataset& dataset, const OdometryRule& rule = {});
 
 /// The vertices of the file; poses and landmarks without one are completed from the edges.

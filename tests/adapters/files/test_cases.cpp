@@ -184,6 +184,7 @@ TEST(Cases, SeamsOfSessionsAreNoOdometry) {
   const auto count = [](const std::vector<bool>& all) { return std::count(all.begin(), all.end(), true); };
   EXPECT_EQ(count(odometry_edges(data, odometry_rule("none"))), 0);
   EXPECT_EQ(count(odometry_edges(data, odometry_rule("EDGE_SE2"))), 14);
+  expect_message<BadOption>([&] { odometry_edges(data, odometry_rule("ODOMETRY")); }, {"'ODOMETRY'", "there are: EDGE_SE2"});
 }
 
 TEST(Cases, SwitchesStandUnderALoss) {

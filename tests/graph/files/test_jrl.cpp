@@ -96,6 +96,15 @@ TEST(Jrl, ABearingWithItsRangeIsTwoMeasurements) {
   EXPECT_NE(to_jrl(data).find("BearingRangeFactor2D"), std::string::npos);
 }
 
+TEST(Jrl, TruthStandsBesideAnInitialization) {
+  EXPECT_TRUE(parse_jrl_truth(two_robots(), "two.jrl").empty());
+  const std::string text = R"({"measurements": {}, "initialization": {"a": [{"key": 1, "type": "Point2", "x": 1, "y": 2}]},
+"groundtruth": {"a": [{"key": 1, "type": "Point2", "x": 3, "y": 4}]}})";
+  EXPECT_EQ(std::get<Point2>(parse_jrl(text, "a.jrl").vertices[0].value).value, Vector<2>(1, 2));
+  ASSERT_EQ(parse_jrl_truth(text, "a.jrl").size(), 1u);
+  EXPECT_EQ(std::get<Point2>(parse_jrl_truth(text, "a.jrl")[0].value).value, Vector<2>(3, 4));
+}
+
 TEST(Jrl, OtherMeasurementsAreKeptByName) {
   const std::string text =
       R"({"measurements": {"a": [{"stamp": 2, "measurements": [{"type": "MyFactor", "key": 3}]}]}, "groundtruth": {"a": [{"key": 1,
