@@ -280,6 +280,10 @@ class Writer {
       if (line.text.empty() || line.text[0] != '"')
         cannot_hold("line " + std::to_string(line.line) + " '" + io::excerpt(line.text) + "'", "its tag is unknown; clear `unknown`");
     for (const Vertex& vertex : dataset_.vertices) types_[vertex.key] = vertex.value.index();
+    for (const Edge& edge : dataset_.edges) {
+      const std::vector<Key> keys = keys_of(edge.measurement);
+      for (Key key : keys) owners_.emplace(key, keys.front().kind());
+    }
     std::string text = "{\n\"name\": " + io::to_json_text(dataset_.name) + ",\n\"robots\": [";
     const std::vector<char> robots = robots_of();
     for (std::size_t i = 0; i < robots.size(); ++i) text += (i > 0 ? ", " : "") + std::to_string(static_cast<int>(robots[i]));
@@ -294,11 +298,16 @@ class Writer {
     fail<BadFile>("a JRL file cannot hold ", record, ": ", why);
   }
   static char robot_of(Key key) { return key.kind(); }
+  /// A landmark belongs to the robot that saw it first.
+  char robot_of(const Vertex& vertex) const {
+    const auto owner = owners_.find(vertex.key);
+    return vertex.value.index() < 2 || owner == owners_.end() ? vertex.key.kind() : owner->second;
+  }
   static std::string name_of(char robot) { return io::to_json_text(std::string(1, robot)); }
   std::vector<char> robots_of() const {
     std::set<char> robots;
     for (const Edge& edge : dataset_.edges) robots.insert(robot_of(keys_of(edge.measurement).front()));
-    for (const Vertex& vertex : dataset_.vertices) robots.insert(robot_of(vertex.key));
+    for (const Vertex& vertex : dataset_.vertices) robots.insert(robot_of(vertex));
     for (const char robot : robots)
       if (static_cast<unsigned char>(robot) < 0x20 || static_cast<unsigned char>(robot) > 0x7e)
         cannot_hold("the variables of kind " + std::to_string(static_cast<unsigned char>(robot)), "its robots are letters; rename them");
@@ -340,7 +349,7 @@ class Writer {
       text += (text.empty() ? "\n" : ",\n") + name_of(robot) + ": [";
       const char* mark = "\n";
       for (const Vertex& vertex : dataset_.vertices) {
-        if (robot_of(vertex.key) != robot) continue;
+        if (robot_of(vertex) != robot) continue;
         text += std::string(mark) + "{\"key\": " + std::to_string(vertex.key.bits()) + ", " +
                 std::visit([&](const auto& x) { return value(x, vertex.columns); }, vertex.value) + "}";
         mark = ",\n";
@@ -444,6 +453,7 @@ class Writer {
 
   const Dataset& dataset_;
   std::map<Key, std::size_t> types_;
+  std::map<Key, char> owners_;
 };
 
 }  // namespace
