@@ -4,6 +4,7 @@
 #include <CLI/App.hpp>
 #include <holdfast/benchmarks/suites/suites.hpp>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,8 @@ struct SolveArguments {
   std::string json;
   std::string tum;
   std::string output;
+  bool gnc = false;
+  std::optional<double> alpha;
   bool pcm = false;
   bool certify = false;
 };

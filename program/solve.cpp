@@ -6,10 +6,12 @@
 #include <holdfast/graph/files/atomic.hpp>
 #include <holdfast/graph/files/tum.hpp>
 #include <holdfast/program/program.hpp>
+#include <holdfast/program/rejected.hpp>
 #include <holdfast/solvers/certificate.hpp>
 #include <holdfast/solvers/pairwise_consistency.hpp>
 #include <holdfast/solvers/table.hpp>
 #include <limits>
+#include <optional>
 #include <set>
 
 namespace holdfast::program {
@@ -34,6 +36,13 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
   command->add_option("--time-limit", arguments.time_limit, "seconds a solve; 0: none")->capture_default_str();
   command->add_option("--seed", arguments.seed, "of the landmarks' start under --start odometry")->capture_default_str();
   command->add_option("--json", arguments.json, "write one JSON object a run, one a line");
+  command->add_flag("--gnc", arguments.gnc,
+                    "graduated non-convexity around every back-end (gnc-irls, …); loss truncated_squares unless another is given");
+  command
+      ->add_option("--alpha", arguments.alpha,
+                   "probability of a false alarm: the threshold of every redescending loss, by its number of components; 0.01 under --gnc "
+                   "where no loss is given, else the loss's own threshold")
+      ->check(CLI::Range(1e-12, 0.5));
   command->add_flag("--pcm", arguments.pcm,
                     "leave out loop closures that disagree with most others before solving (pairwise consistency, maximum clique)");
   command->add_flag("--certify", arguments.certify,
@@ -54,16 +63,29 @@ struct Plan {
   ProblemOptions problem;
   std::vector<std::string> backends;
   Options options;
+  std::optional<double> alpha;
 };
 
 Plan plan_of(const SolveArguments& arguments) {
   Plan plan;
   plan.problem.loss = Loss::parse(arguments.loss);
+  plan.alpha = arguments.alpha;
+  if (arguments.gnc && plan.problem.loss == Loss{}) {
+    constexpr double kAlpha = 0.01;
+    plan.problem.loss = TruncatedSquares{1};
+    if (!plan.alpha) plan.alpha = kAlpha;
+  }
+  const bool has_threshold = !plan.problem.loss.is_convex() && plan.problem.loss.kind != Loss::Kind::StudentT;
+  if (plan.alpha && !has_threshold)
+    fail<BadOption>("--alpha: the loss ", plan.problem.loss.str(),
+                    " has no threshold for outliers; give --gnc, or a loss such as truncated_squares:3");
   plan.problem.start = start_named(arguments.start);
   plan.problem.seed = arguments.seed;
   plan.problem.odometry = odometry_rule(arguments.reading.odometry);
   if (!arguments.output.empty() && arguments.files.size() > 1) fail<BadOption>("--output names one file; give one FILE to solve");
   plan.backends = backends_of(arguments.backends);
+  if (arguments.gnc)
+    for (std::string& backend : plan.backends) backend = "gnc-" + backend;
   plan.options.threads = arguments.threads;
   plan.options.max_iterations = arguments.max_iterations;
   plan.options.cost_tolerance = arguments.tolerance;
@@ -111,6 +133,7 @@ class Solver {
       bar_.begin("reading " + file);
       FileProblem problem = load(file, plan_.problem, read_options(arguments_.reading));
       pcm_.clear();
+      if (plan_.alpha) set_thresholds(problem.instance.graph, *plan_.alpha);
       if (arguments_.pcm) leave_out_inconsistent(problem.instance.graph);
       solve_file(file, stem, problem);
     } catch (const std::exception& error) {  // a bad file does not stop the others
@@ -129,6 +152,7 @@ class Solver {
     certificates_.clear();
     Values best;
     double least = std::numeric_limits<double>::infinity();
+    rejected_.clear();
     for (const std::string& backend : plan_.backends) {
       bar_.begin(file + " " + backend);
       Task task{file, plan_.problem.loss.str(), arguments_.start, backend, arguments_.seed, plan_.options};
@@ -139,6 +163,10 @@ class Solver {
       if (!run.summary.usable()) all_is_well_ = false;
       runs.push_back(to_json(run));
       if (arguments_.pcm) runs.back()["pcm_rejected"] = rejected_loops_;
+      if (run.summary.usable()) {
+        const std::string rejected = rejected_list(problem.instance.graph, answer, runs.back());
+        if (arguments_.gnc && !rejected.empty()) rejected_.push_back(rejected);
+      }
       if (arguments_.certify && run.summary.usable()) certify_answer(problem.instance.graph, answer, runs.back());
       bar_.done_with_one();
       if (run.summary.usable() && run.summary.cost < least && !arguments_.output.empty()) {
@@ -190,7 +218,9 @@ class Solver {
   void print(const std::string& file, const FileProblem& problem, const std::vector<Json>& runs) {
     const Instance& instance = problem.instance;
     terminal_.out << file << ": " << instance.start.size() << " variables, " << instance.graph.size() << " factors, loss "
-                  << plan_.problem.loss.str() << ", start " << arguments_.start;
+                  << plan_.problem.loss.str();
+    if (plan_.alpha) terminal_.out << " with thresholds of alpha " << *plan_.alpha;
+    terminal_.out << ", start " << arguments_.start;
     if (arguments_.start == "odometry") terminal_.out << " (seed " << arguments_.seed << ")";
     terminal_.out << ", tolerance " << arguments_.tolerance << ", threads " << arguments_.threads << '\n';
     if (!pcm_.empty()) terminal_.out << pcm_ << '\n';
@@ -198,6 +228,7 @@ class Solver {
     if (!problem.start.empty()) terminal_.out << "start: " << problem.start << '\n';
     print_solve(terminal_.out, runs);
     print_differences(terminal_.out, runs);
+    for (const std::string& rejected : rejected_) terminal_.out << rejected << '\n';
     for (const std::string& certificate : certificates_) terminal_.out << certificate << '\n';
     terminal_.out << std::endl;
   }
@@ -218,6 +249,7 @@ class Solver {
   Terminal& terminal_;
   ProgressBar bar_;
   std::vector<Json> lines_;
+  std::vector<std::string> rejected_;
   std::vector<std::string> certificates_;  ///< of the file at hand
   std::string pcm_;                        ///< what was left out of it
   std::size_t rejected_loops_ = 0;

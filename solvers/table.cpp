@@ -1,3 +1,4 @@
+#include <holdfast/solvers/gnc.hpp>
 #include <holdfast/solvers/irls/irls.hpp>
 #include <holdfast/solvers/nesterov/nesterov.hpp>
 #include <holdfast/solvers/table.hpp>
@@ -7,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <sstream>
+#include <string_view>
 
 namespace holdfast {
 namespace {
@@ -25,6 +27,9 @@ struct NameTable {
   }
 };
 
+/// Before a name: that back-end in GNC (solvers/gnc.hpp).
+constexpr std::string_view kGnc = "gnc-";
+
 NameTable& table() {
   static NameTable names;
   return names;
@@ -40,10 +45,11 @@ std::unique_ptr<Backend> make_backend(const std::string& name, const Options& op
     const auto it = names.factories.find(name);
     if (it != names.factories.end()) factory = it->second;
   }
+  if (!factory && name.rfind(kGnc, 0) == 0) return gnc(make_backend(name.substr(kGnc.size()), options));
   if (!factory) {
     std::ostringstream known;
     for (const std::string& one : backend_names()) known << ' ' << one;
-    fail<BadOption>("there is no back-end '", name, "' in this build; there are:", known.str());
+    fail<BadOption>("there is no back-end '", name, "' in this build; there are:", known.str(), ", each also as gnc-…");
   }
   return factory(options);
 }

@@ -245,5 +245,59 @@ TEST(Backends, AllAreThoseWithoutTheVariantsOfCeres) {
   EXPECT_THROW(backends_of("irls,nothing"), BadOption);
 }
 
+/// A square of 40 poses walked twice, from the odometry; on the second lap it knows eight places again, and is wrong about `bad` more.
+std::string laps(int bad) {
+  std::ostringstream file;
+  const auto pose = [](int k, double& x, double& y, double& yaw) {
+    const int side = k / 5 % 4, along = k % 5;
+    const double corner[4][2] = {{0, 0}, {5, 0}, {5, 5}, {0, 5}};
+    yaw = side * 1.5707963267948966;
+    x = corner[side][0] + along * std::cos(yaw);
+    y = corner[side][1] + along * std::sin(yaw);
+  };
+  for (int k = 0; k < 40; ++k) {
+    double x, y, yaw;
+    pose(k, x, y, yaw);
+    file << "VERTEX_SE2 " << k << ' ' << x << ' ' << y << ' ' << yaw << '\n';
+  }
+  const char* const information = " 400 0 0 400 0 1600\n";
+  for (int k = 0; k + 1 < 40; ++k)
+    file << "EDGE_SE2 " << k << ' ' << k + 1 << (k % 5 == 4 ? " 1 0 1.5707963267948966" : " 1.01 0 0") << information;
+  for (int k = 0; k < 8; ++k) file << "EDGE_SE2 " << k << ' ' << k + 20 << " 0.02 -0.01 0.005" << information;
+  for (int k = 0; k < bad; ++k) file << "EDGE_SE2 " << k << ' ' << 12 + 3 * k << ' ' << 3 - k << " 2 -1" << information;
+  return file.str();
+}
+
+TEST_F(Solve, GncRejectsFalseLoopsAndNamesThem) {
+  const std::string file = write("laps.g2o", laps(3)), json = at("runs.jsonl");
+  const Outcome outcome = holdfast_program({"solve", file, "--gnc", "--backend", "irls,nesterov", "--json", json});
+  EXPECT_EQ(outcome.code, kDone) << outcome.err;
+  for (const char* text :
+       {"gnc-irls", "gnc-nesterov", "rejected by gnc-irls, 3:", "Between(x0, x12)", "Between(x1, x15)", "Between(x2, x18)"})
+    EXPECT_THAT(outcome.out, HasSubstr(text));
+  for (const auto& line : lines_of(json)) {
+    ASSERT_EQ(line["rejected"].size(), 3u);
+    for (const auto& one : line["rejected"]) {
+      EXPECT_GT(one["chi_square"], 100);
+      EXPECT_LT(one["probability"], 1e-20);
+      EXPECT_EQ(one["components"], 3);
+    }
+  }
+}
+
+TEST_F(Solve, AlphaSetsTheThresholdByTheNumberOfComponents) {
+  const std::string file = write("laps.g2o", laps(0)), json = at("runs.jsonl");
+  const auto cost = [&](const std::string& loss, const std::string& alpha) {
+    std::vector<std::string> arguments{"solve", file, "--loss", loss, "--backend", "irls", "--max-iterations", "1", "--json", json};
+    if (!alpha.empty()) arguments.insert(arguments.end(), {"--alpha", alpha});
+    EXPECT_EQ(holdfast_program(arguments).code, kDone);
+    return lines_of(json)[0]["cost_first"].get<double>();
+  };
+  EXPECT_NEAR(cost("truncated_squares:77", "0.05"), cost("truncated_squares:2.7954834", ""), 1e-6);  // √7.8147, χ² of 3 at 95 %
+  const Outcome squared = holdfast_program({"solve", file, "--alpha", "0.05"});
+  EXPECT_EQ(squared.code, kUsage);
+  EXPECT_THAT(squared.err, HasSubstr("the loss squared has no threshold for outliers"));
+}
+
 }  // namespace
 }  // namespace holdfast::program
