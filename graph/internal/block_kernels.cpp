@@ -184,7 +184,8 @@ const BlockKernels& block_kernels(int residual_dim, const std::vector<int>& dims
       usual<1, 2, 2>(), usual<1, 3, 3>(), usual<1, 3, 2>(), usual<1, 6, 3>(), usual<1, 6, 6>(), usual<1, 4, 2>(),
       usual<1, 4, 4>(), usual<1, 2>(),    usual<1, 3>(),    usual<1, 4>(),    usual<1, 6>(),                    // ranges
       usual<2, 3, 2>(), usual<2, 4, 2>(), usual<3, 6, 3>(), usual<2, 2, 2>(), usual<2, 4>(),    usual<3, 6>(),  // positions, bearings
-      usual<3, 3, 3>(), usual<6, 6, 6>(), usual<4, 4, 4>(), usual<9, 9, 9>()};                                  // steps
+      usual<3, 3, 3>(), usual<6, 6, 6>(), usual<4, 4, 4>(), usual<9, 9, 9>(),                                   // steps
+      usual<5, 5>(),    usual<2, 5>(),    usual<5, 5, 5>()};                                                    // Turning2
   for (const Usual& one : all)
     if (one.residual_dim == residual_dim && one.dims == dims) return *one.kernels;
   return kernels_of<Any>;
