@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/backends.hpp"
 #include "tests/problems.hpp"
 
 namespace holdfast::testing {
@@ -43,7 +44,7 @@ std::string label(const ::testing::TestParamInfo<std::string>& info) {
   std::replace(text.begin(), text.end(), '-', '_');
   return text;
 }
-INSTANTIATE_TEST_SUITE_P(Backends, AnyBackend, ::testing::ValuesIn(backend_names()), label);
+INSTANTIATE_TEST_SUITE_P(Backends, AnyBackend, ::testing::ValuesIn(every_backend()), label);
 
 Prior<Point2> prior_at(double x, double y) { return Prior<Point2>::from_sigmas(Point2(x, y), Vector<2>(1, 1)); }
 

@@ -2,6 +2,7 @@
 // every back-end finds when the measurements are exact.
 #include <gtest/gtest.h>
 
+#include "tests/backends.hpp"
 #include "tests/problems.hpp"
 
 namespace holdfast::testing {
@@ -14,7 +15,7 @@ std::string label(const ::testing::TestParamInfo<std::string>& info) {
   std::replace(text.begin(), text.end(), '-', '_');
   return text;
 }
-INSTANTIATE_TEST_SUITE_P(Backends, EveryBackend, ::testing::ValuesIn(backend_names()), label);
+INSTANTIATE_TEST_SUITE_P(Backends, EveryBackend, ::testing::ValuesIn(every_backend()), label);
 
 template <int Space>
 Motion<Space> some_motion() {

@@ -9,6 +9,7 @@
 #include <holdfast/solvers/marginals.hpp>
 #include <holdfast/solvers/outlier_report.hpp>
 
+#include "tests/backends.hpp"
 #include "tests/problems.hpp"
 
 namespace holdfast {
@@ -60,7 +61,7 @@ TEST(PartialInformation, EveryBackendAnswersAsWithAlmostNone) {
   for (const Loss& loss : {Loss(Squared{}), Loss(Huber{2})}) {
     Values expected = start();
     ASSERT_TRUE(testing::solve("irls", planar_robot_in_space(1e-9, loss), expected, precise()).usable());
-    for (const std::string& backend : backend_names()) {
+    for (const std::string& backend : testing::every_backend()) {
       SCOPED_TRACE(backend + " " + loss.str());
       const Graph graph = planar_robot_in_space(0, loss);
       Values values = start();
@@ -87,7 +88,7 @@ TEST(PartialInformation, WhatNothingMeasuresIsUnobservable) {
   Values values;
   values.insert(A(0), Pose3());
   EXPECT_FALSE(Marginals(graph, values).is_observable(A(0)));
-  for (const std::string& backend : backend_names()) {  // the position is found, the rotation stays
+  for (const std::string& backend : testing::every_backend()) {  // the position is found, the rotation stays
     Values answer = values;
     ASSERT_TRUE(testing::solve(backend, graph, answer, precise()).usable()) << backend;
     EXPECT_LT((answer.at<Pose3>(A(0)).p - truth(0).p).norm(), 1e-6) << backend;

@@ -2,6 +2,7 @@
 // back-end finds the answer; every other one ends no worse than it began.
 #include <gtest/gtest.h>
 
+#include "tests/backends.hpp"
 #include "tests/problems.hpp"
 
 namespace holdfast::testing {
@@ -135,7 +136,7 @@ std::string label(const ::testing::TestParamInfo<std::string>& info) {
   std::replace(text.begin(), text.end(), '-', '_');
   return text;
 }
-INSTANTIATE_TEST_SUITE_P(Backends, Stress, ::testing::ValuesIn(backend_names()), label);
+INSTANTIATE_TEST_SUITE_P(Backends, Stress, ::testing::ValuesIn(every_backend()), label);
 
 }  // namespace
 }  // namespace holdfast::testing

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <thread>
 
+#include "tests/backends.hpp"
 #include "tests/problems.hpp"
 
 namespace holdfast::testing {
@@ -19,7 +20,7 @@ std::string label(const ::testing::TestParamInfo<std::string>& info) {
   std::replace(text.begin(), text.end(), '-', '_');
   return text;
 }
-INSTANTIATE_TEST_SUITE_P(Backends, Contract, ::testing::ValuesIn(backend_names()), label);
+INSTANTIATE_TEST_SUITE_P(Backends, Contract, ::testing::ValuesIn(every_backend()), label);
 
 SmallProblem hard() { return slam<Pose3>(1, 20, 0.2, Cauchy{1}, 0.4); }
 

@@ -1,6 +1,7 @@
 // A solve that fails leaves the caller's values as they were, however badly the back-end behaves.
 #include <gtest/gtest.h>
 
+#include "tests/backends.hpp"
 #include "tests/counting_new.hpp"
 #include "tests/problems.hpp"
 
@@ -81,7 +82,7 @@ TEST_F(UnchangedOnFailure, AllocatesNothingForAStructureMetBefore) {
 
 /// While it runs, a callback sees the start.
 TEST(UntilASolveReturns, ItsValuesHoldTheStart) {
-  for (const std::string& name : backend_names()) {
+  for (const std::string& name : every_backend()) {
     const auto problem = slam<Pose2>(1, 6, 0.1);
     Values values = problem.start;
     Options options;
