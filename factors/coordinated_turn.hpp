@@ -1,9 +1,9 @@
 // Motion at an unknown turn rate that wanders:   r = W [F_CT(ω_k) x_k − x_{k+1}; ω_k − ω_{k+1}],   W 5 × 5
 //
-// Variables: a Turning2 [px vx py vy ω] before and after dt [s]; F_CT as in constant_turn.hpp (paper B, eq. 3). In a Window the turn rate is
-// learned: window.add_agent('A', [](double seconds) { return CoordinatedTurn{seconds, q, q_turn}; }). The noise
-// is white acceleration of density q [m²/s³] and white turn acceleration of density q_turn [rad²/s³], independent of each other:
-// covariance q [dt³/3 dt²/2; dt²/2 dt] on each axis, q_turn dt on ω.
+// Variables: a Turning2 [px vx py vy ω] before and after dt [s]; F_CT as in constant_turn.hpp (paper B, eq. 3). In a Window the turn rate
+// is learned: window.add_agent('A', [](double seconds) { return CoordinatedTurn{seconds, q, q_turn}; }). The noise is white acceleration of
+// density q [m²/s³] and white turn acceleration of density q_turn [rad²/s³], independent of each other: covariance q [dt³/3 dt²/2; dt²/2
+// dt] on each axis, q_turn dt on ω.
 #pragma once
 
 #include <holdfast/factors/detail/rules.hpp>

@@ -17,8 +17,8 @@
 // For GemanMcClure{c} that is GNC-GM: ω = (μ/(u+μ))² from μ = 2 u_max. u_max: the largest u of these terms. One-sided terms keep ω = 1 on
 // their squared side (r > 0).
 //
-// Where it differs from the paper, which solves with all ω = 1 first and goes on from there: false loops at full weight fold the map, and it
-// stays folded.
+// Where it differs from the paper, which solves with all ω = 1 first and goes on from there: false loops at full weight fold the map, and
+// it stays folded.
 //   1. A start that satisfies the other terms (2 sigmas, root mean square), as dead reckoning does, is trusted: the first ω come from its
 //      residuals, and the weighted problems are solved afresh from it.
 //   2. From such a start, loop closures that no other one agrees with wait until the others have been graduated

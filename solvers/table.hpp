@@ -9,8 +9,8 @@
 
 namespace holdfast {
 
-/// "gnc-irls" is irls in graduated non-convexity (solvers/gnc.hpp), and so with every name. Throws BadOption listing the names there are. What only one back-end has (IrlsOptions) is at its default: construct that back-end to
-/// choose it.
+/// "gnc-irls" is irls in graduated non-convexity (solvers/gnc.hpp), and so with every name. Throws BadOption listing the names there are.
+/// What only one back-end has (IrlsOptions) is at its default: construct that back-end to choose it.
 std::unique_ptr<Backend> make_backend(const std::string& name, const Options& options = {});
 /// Sorted.
 std::vector<std::string> backend_names();

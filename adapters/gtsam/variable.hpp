@@ -3,10 +3,10 @@
 //   values.insert(A(3), gtsam::Pose3{…});   values.at<gtsam::Pose2>(A(0));       // into and out of our Values
 //   gtsam::Values theirs = to_gtsam(values);   Values ours = from_gtsam(theirs);
 //
-// In gtsam::Values: Pose2, Pose3, Point2, Point3 are GTSAM's own; Motion2 a Vector4, Turning2 a Vector5, Motion3 and Accel2 a Vector6, Accel3 a
-// Vector9 (in our memory order), Scalar a double. Tangents: GTSAM moves translations in the body frame, and Pose3's come rotation first; both its
-// retractions (Expmap or not) agree with ours to first order, which is all that a Jacobian asks for. Keys are the same
-// 64 bits, whatever wrote them: gtsam::Symbol('x', 3) is Key('x', 3), a LabeledSymbol comes back as it went.
+// In gtsam::Values: Pose2, Pose3, Point2, Point3 are GTSAM's own; Motion2 a Vector4, Turning2 a Vector5, Motion3 and Accel2 a Vector6,
+// Accel3 a Vector9 (in our memory order), Scalar a double. Tangents: GTSAM moves translations in the body frame, and Pose3's come rotation
+// first; both its retractions (Expmap or not) agree with ours to first order, which is all that a Jacobian asks for. Keys are the same 64
+// bits, whatever wrote them: gtsam::Symbol('x', 3) is Key('x', 3), a LabeledSymbol comes back as it went.
 #pragma once
 
 #include <gtsam/geometry/Point2.h>

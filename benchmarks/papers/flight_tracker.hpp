@@ -1,7 +1,7 @@
 // Our estimator on paper B's problem: eight followers, each at an unknown turn rate that is learned.
 //
-// It is the library's Window (solvers/window/window.hpp), twice, on Turning2 states with the motion CoordinatedTurn. A state every `spacing`
-// samples is enough for a drone that flies smoothly; a sample τ after it measures p + τ v (τ ≤ 0.5 s: what the turn adds to that,
+// It is the library's Window (solvers/window/window.hpp), twice, on Turning2 states with the motion CoordinatedTurn. A state every
+// `spacing` samples is enough for a drone that flies smoothly; a sample τ after it measures p + τ v (τ ≤ 0.5 s: what the turn adds to that,
 // ½ v ω τ² = 1 mm, is left out), under a robust loss.
 //   now     max_states = 1: the latest state, its samples so far, and the arrival cost of all before; a step at every sample
 //   later   max_states = `window`: a step whenever a state is complete

@@ -7,8 +7,8 @@
 //
 // The stretches T are at most kReach trusted edges long, so little has drifted: two random false loops agree with a probability of about
 // the ring's uncertainty over the size of the map, and true loops come in groups. Variances are the largest of each edge's covariance, and
-// add up along the stretches with their levers: on the safe side, so that true loops agree. Against false loops made to agree with each other
-// it is no help: solvers/pairwise_consistency.hpp.
+// add up along the stretches with their levers: on the safe side, so that true loops agree. Against false loops made to agree with each
+// other it is no help: solvers/pairwise_consistency.hpp.
 #pragma once
 
 #include <holdfast/graph/graph.hpp>
