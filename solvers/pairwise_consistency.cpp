@@ -557,6 +557,17 @@ ConsistentLoops consistent_loops(const Graph& graph, const PairwiseConsistencyOp
   return result;
 }
 
+std::vector<FactorId> agreeing_loops(const Graph& graph, const Values& values, const std::vector<FactorId>& loops, double false_alarm) {
+  if (!(false_alarm > 0 && false_alarm < 1)) fail<BadOption>("false_alarm = ", false_alarm, " must be between 0 and 1; 0.01 is usual");
+  const double limits[] = {chi_squared_limit(3, false_alarm), chi_squared_limit(6, false_alarm)};
+  std::vector<FactorId> agreeing;
+  for (const FactorId id : loops) {
+    const Eigen::VectorXd r = graph.residual(id, values);
+    if (r.squaredNorm() < limits[r.size() == 3 ? 0 : 1]) agreeing.push_back(id);
+  }
+  return agreeing;
+}
+
 std::string ConsistentLoops::str() const {
   std::ostringstream text;
   text << kept.size() << " of " << kept.size() + rejected.size() << " loops agree with each other, " << rejected.size() << " rejected; "

@@ -72,4 +72,14 @@ struct ConsistentLoops {
 /// is not in the graph; BadType where it is no relative pose.
 ConsistentLoops consistent_loops(const Graph& graph, const PairwiseConsistencyOptions& options = {});
 
+/// Of these loops, in a graph that still has them, those that agree with an answer found without them: ‖r‖² below the (1 − false_alarm)
+/// quantile of χ². A true loop that disagreed with others comes back so:
+///
+///   Graph kept = graph;  for (FactorId id : found.rejected) kept.remove(id);  backend->solve(kept, values);
+///   agreeing_loops(graph, values, found.rejected)                              // not to be removed after all: solve again
+///
+/// Throws BadKey, BadType; BadOption where false_alarm is not between 0 and 1.
+std::vector<FactorId> agreeing_loops(const Graph& graph, const Values& values, const std::vector<FactorId>& loops,
+                                     double false_alarm = 0.01);
+
 }  // namespace holdfast

@@ -217,6 +217,20 @@ TYPED_TEST(Pcm, TheMapSeesMoreThanPairs) {
   EXPECT_LT(rejected, loops / 50);
 }
 
+TEST(PairwiseConsistency, WhatFitsTheAnswerAgrees) {
+  Walks<Pose2> walks(4, 60, 0.02);
+  walks.add_true_loops(10, 60, A, A);
+  walks.add_false_group(5, 60, A, A, 5);
+  std::vector<FactorId> loops = consistent_loops(walks.graph, as_stated()).rejected;
+  ASSERT_EQ(loops.size(), walks.false_ones.size());
+  const FactorId fits = walks.tie(A(3), A(40));
+  loops.push_back(fits);
+  const std::vector<FactorId> back = agreeing_loops(walks.graph, walks.truth, loops, 1e-4);
+  ASSERT_EQ(back.size(), 1u);
+  EXPECT_EQ(back[0].number, fits.number);
+  EXPECT_THROW(agreeing_loops(walks.graph, walks.truth, loops, 0), BadOption);
+}
+
 TEST(PairwiseConsistency, KeepsALoopThatNothingCanBeSaidOf) {
   Walks<Pose2> walks(1, 30, 0.01);
   walks.tie(A(2), B(3));
