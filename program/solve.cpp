@@ -133,7 +133,6 @@ class Solver {
       bar_.begin("reading " + file);
       FileProblem problem = load(file, plan_.problem, read_options(arguments_.reading));
       pcm_.clear();
-      pcm_rejected_.clear();
       if (plan_.alpha) set_thresholds(problem.instance.graph, *plan_.alpha);
       if (arguments_.pcm) leave_out_inconsistent(problem.instance.graph);
       solve_file(file, stem, problem);
@@ -159,20 +158,16 @@ class Solver {
       Task task{file, plan_.problem.loss.str(), arguments_.start, backend, arguments_.seed, plan_.options};
       task.options.progress = bar_.callback();
       Values answer;
-      Run run = run_task(task, problem.instance, answer);
-      Instance again;
-      rejected_loops_ = pcm_rejected_.size();
-      const bool is_again = arguments_.pcm && run.summary.usable() && bring_back(task, problem.instance, run, answer, again);
+      const Run run = run_task(task, problem.instance, answer);
       log(file + " " + backend + ": " + run.summary.str());
       if (!run.summary.usable()) all_is_well_ = false;
       runs.push_back(to_json(run));
       if (arguments_.pcm) runs.back()["pcm_rejected"] = rejected_loops_;
-      const Graph& solved = is_again ? again.graph : problem.instance.graph;
       if (run.summary.usable()) {
-        const std::string rejected = rejected_list(solved, answer, runs.back());
+        const std::string rejected = rejected_list(problem.instance.graph, answer, runs.back());
         if (arguments_.gnc && !rejected.empty()) rejected_.push_back(rejected);
       }
-      if (arguments_.certify && run.summary.usable()) certify_answer(solved, answer, runs.back());
+      if (arguments_.certify && run.summary.usable()) certify_answer(problem.instance.graph, answer, runs.back());
       bar_.done_with_one();
       if (run.summary.usable() && run.summary.cost < least && !arguments_.output.empty()) {
         least = run.summary.cost;
@@ -198,27 +193,8 @@ class Solver {
       pcm_ += (i == 0 ? "\nrejected: " : ", ") + graph.batches()[place.batch]->describe(place.index);
     }
     if (found.rejected.size() > kMostNames) pcm_ += ", and " + std::to_string(found.rejected.size() - kMostNames) + " more";
-    whole_ = graph;
-    pcm_rejected_ = found.rejected;
-    for (const FactorId id : pcm_rejected_) graph.remove(id);
-  }
-
-  /// With the rejected loops that agree with the answer, again, from there.
-  bool bring_back(const Task& task, const Instance& instance, Run& run, Values& answer, Instance& again) {
-    const std::vector<FactorId> back = agreeing_loops(whole_, answer, pcm_rejected_);
-    if (back.empty()) return false;
-    again = {whole_, answer, instance.truth};
-    std::set<int> stays;
-    for (const FactorId id : back) stays.insert(id.number);
-    for (const FactorId id : pcm_rejected_)
-      if (stays.count(id.number) == 0) again.graph.remove(id);
-    const double seconds = run.summary.seconds;
-    run = run_task(task, again, answer);
-    run.summary.seconds += seconds;
-    run.seconds = {run.summary.seconds};
-    pcm_ += "\n" + std::to_string(back.size()) + " of the rejected loops fit the answer of " + task.backend + " and are back in it";
-    rejected_loops_ = pcm_rejected_.size() - back.size();
-    return true;
+    for (const FactorId id : found.rejected) graph.remove(id);
+    rejected_loops_ = found.rejected.size();
   }
 
   void certify_answer(const Graph& graph, const Values& answer, Json& run) {
@@ -276,9 +252,7 @@ class Solver {
   std::vector<std::string> rejected_;
   std::vector<std::string> certificates_;  ///< of the file at hand
   std::string pcm_;                        ///< what was left out of it
-  Graph whole_;
-  std::vector<FactorId> pcm_rejected_;
-  std::size_t rejected_loops_ = 0;  ///< those that did not come back
+  std::size_t rejected_loops_ = 0;
   bool all_is_well_ = true;
 };
 
