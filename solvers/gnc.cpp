@@ -34,6 +34,7 @@ class Gnc::Run {
     progress.watch.lap(summary().seconds_setup);
     if (!progress.begin(terms_.resolved().cost(graph_, start_), graph_, terms_.resolved(), start_)) return std::move(summary());
     cost_ = summary().cost;
+    summary().gradient_norm = max_norm(gradient(graph_, start_).value);
     if (graduate() && settle()) look_again();
     finish(values);
     return std::move(summary());

