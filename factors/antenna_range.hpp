@@ -1,60 +1,25 @@
-// A measured distance between two antennas, as UWB radios give it:
+// A measured distance between two antennas, as UWB radios give it. d = ‖q_b − q_a‖ [m]:
 //
-//   AntennaRange            r = (‖q_b − q_a‖ − distance) / sigma
-//   AntennaRangeWithBias    r = (‖q_b − q_a‖ + bias − distance) / sigma       bias: a Scalar [m], of a radio, a pair, or an anchor
+//   AntennaRange                  r = (d − distance) / sigma
+//   AntennaRangeWithBias          r = (d + bias − distance) / sigma                  bias [m]: of a radio, a pair, or an anchor
+//   AntennaRangeWithDelays        r = (d + delay_a + delay_b − distance) / sigma     delay [m]: of either radio, so n of n radios, not n²
+//   AntennaRangeWithScale         r = ((1 + scale) d − distance) / sigma             scale [1]: 0.001 is 1 mm too long at each metre
+//   AntennaRangeWithBiasAndScale  r = ((1 + scale) d + bias − distance) / sigma
 //
 // q_a = p_a + R_a l_a is where the antenna of a is: l_a [m], its lever arm, in the body frame of a (the same for b). A point has no body
-// frame: its lever arm is 0. The bias is what the radios' delays add to every distance; estimate one for each anchor, with a prior. Without
-// turns of the robot, or with one anchor alone, bias and distance cannot be told apart: check() says so.
+// frame: its lever arm is 0. Bias, delay and scale are Scalars that are estimated: give each a prior. The bias is what the radios' delays
+// add to every distance (Decawave APS014, "Antenna delay calibration"); the scale is that of their clocks, or of the map, or of sound.
+// An anchor is a variable too: with a prior its place is estimated along (self-calibration), fixed it is a constant.
+// What cannot be told apart, check() says: bias and distance without turns of the robot or with one anchor alone; the delays of two
+// radios that only range to one another; the scale of everything where neither odometry nor a known anchor holds it.
 // Where both antennas coincide (below kZeroDistance) the residual is its value at 0 and the Jacobian by the poses is zero.
+// The same between other moments, clocks and senses: range_time_offset.hpp, two_way_range.hpp, time_difference.hpp, antenna_bearing.hpp.
+// Ranges without line of sight are too long: one_sided(…) (graph/loss.hpp), MaxMixture (graph/max_mixture.hpp).
 #pragma once
 
-#include <holdfast/factors/detail/body_frame.hpp>
-#include <holdfast/factors/detail/displacement.hpp>
-#include <holdfast/graph/require.hpp>
-#include <holdfast/graph/variables.hpp>
+#include <holdfast/factors/detail/antenna.hpp>
 
 namespace holdfast {
-
-namespace detail {
-
-/// Where the antenna of x is, and its derivative by the tangent of x.
-template <class V>
-struct Antenna {
-  Vector<space_dim<V>> position;
-  Matrix<space_dim<V>, V::dim> jacobian;
-
-  Antenna(const V& x, const Vector<space_dim<V>>& lever) : position(x.position()), jacobian(V::position_jacobian()) {
-    if constexpr (is_pose<V>) {
-      const auto R = x.rotation();
-      position += R * lever;
-      jacobian.template rightCols<rotation_dim<space_dim<V>>>() = -R * turning_jacobian(lever);  // R Exp(δ) l = R l − R (l × δ)
-    }
-  }
-};
-
-/// ‖q_b − q_a‖, and unless J is null its derivative by the tangents of a and b side by side.
-template <class A, class B>
-double antenna_distance(const A& a, const Vector<space_dim<A>>& lever_a, const B& b, const Vector<space_dim<A>>& lever_b,
-                        Matrix<1, A::dim + B::dim>* J) {
-  const Antenna<A> from(a, lever_a);
-  const Antenna<B> to(b, lever_b);
-  const SafeNorm<space_dim<A>> norm = safe_norm<space_dim<A>>(to.position - from.position);
-  if (J != nullptr) {
-    const Matrix<1, space_dim<A>> u = norm.gradient.transpose();
-    carry_to_tangent<1, space_dim<A>, A::dim>(u, from.jacobian, -1, J->data());
-    carry_to_tangent<1, space_dim<A>, B::dim>(u, to.jacobian, 1, J->data() + A::dim);
-  }
-  return norm.value;
-}
-
-template <class V>
-void require_lever(const char* name, const Vector<space_dim<V>>& lever) {
-  require_finite(name, lever);
-  if (!is_pose<V> && !lever.isZero(0)) fail<BadNumber>(name, " = (", lever.transpose(), "): a ", V::name(), " has no body frame; give 0");
-}
-
-}  // namespace detail
 
 template <class A, class B>
 struct AntennaRange {
@@ -109,6 +74,87 @@ struct AntennaRangeWithBias {
     const double measured = detail::antenna_distance(a, lever_a, b, lever_b, J == nullptr ? nullptr : &D);
     if (J != nullptr) J->all << D / sigma, 1 / sigma;
     return Vector<1>((measured + bias.value - distance) / sigma);
+  }
+
+  Vector<1> raw(const Vector<1>& r) const { return sigma * r; }  ///< [m]
+  void validate() const { AntennaRange<A, B>{distance, sigma, lever_a, lever_b}.validate(); }
+};
+
+template <class A, class B>
+struct AntennaRangeWithDelays {
+  using Lever = Vector<space_dim<A>>;
+  double distance;  ///< [m]
+  double sigma;     ///< [m]
+  Lever lever_a;    ///< of the antenna in the body frame of a [m]
+  Lever lever_b;    ///< of the antenna in the body frame of b [m]
+
+  using Variables = variables<A, B, Scalar, Scalar>;
+  static constexpr int residual_dim = 1;
+  static const char* name() { return "AntennaRangeWithDelays"; }
+  static constexpr auto fields() {
+    return std::tuple(field("distance", &AntennaRangeWithDelays::distance), field("sigma", &AntennaRangeWithDelays::sigma),
+                      field("lever_a", &AntennaRangeWithDelays::lever_a), field("lever_b", &AntennaRangeWithDelays::lever_b));
+  }
+
+  Vector<1> operator()(const A& a, const B& b, const Scalar& delay_a, const Scalar& delay_b, Jacobians<AntennaRangeWithDelays>* J = nullptr) const {
+    Matrix<1, A::dim + B::dim> D;
+    const double d = detail::antenna_distance(a, lever_a, b, lever_b, J == nullptr ? nullptr : &D);
+    if (J != nullptr) J->all << D / sigma, 1 / sigma, 1 / sigma;
+    return Vector<1>((d + delay_a.value + delay_b.value - distance) / sigma);
+  }
+
+  Vector<1> raw(const Vector<1>& r) const { return sigma * r; }  ///< [m]
+  void validate() const { AntennaRange<A, B>{distance, sigma, lever_a, lever_b}.validate(); }
+};
+
+template <class A, class B>
+struct AntennaRangeWithScale {
+  using Lever = Vector<space_dim<A>>;
+  double distance;  ///< [m]
+  double sigma;     ///< [m]
+  Lever lever_a;    ///< of the antenna in the body frame of a [m]
+  Lever lever_b;    ///< of the antenna in the body frame of b [m]
+
+  using Variables = variables<A, B, Scalar>;
+  static constexpr int residual_dim = 1;
+  static const char* name() { return "AntennaRangeWithScale"; }
+  static constexpr auto fields() {
+    return std::tuple(field("distance", &AntennaRangeWithScale::distance), field("sigma", &AntennaRangeWithScale::sigma),
+                      field("lever_a", &AntennaRangeWithScale::lever_a), field("lever_b", &AntennaRangeWithScale::lever_b));
+  }
+
+  Vector<1> operator()(const A& a, const B& b, const Scalar& scale, Jacobians<AntennaRangeWithScale>* J = nullptr) const {
+    Matrix<1, A::dim + B::dim> D;
+    const double d = detail::antenna_distance(a, lever_a, b, lever_b, J == nullptr ? nullptr : &D);
+    if (J != nullptr) J->all << (1 + scale.value) * D / sigma, d / sigma;
+    return Vector<1>(((1 + scale.value) * d - distance) / sigma);
+  }
+
+  Vector<1> raw(const Vector<1>& r) const { return sigma * r; }  ///< [m]
+  void validate() const { AntennaRange<A, B>{distance, sigma, lever_a, lever_b}.validate(); }
+};
+
+template <class A, class B>
+struct AntennaRangeWithBiasAndScale {
+  using Lever = Vector<space_dim<A>>;
+  double distance;  ///< [m]
+  double sigma;     ///< [m]
+  Lever lever_a;    ///< of the antenna in the body frame of a [m]
+  Lever lever_b;    ///< of the antenna in the body frame of b [m]
+
+  using Variables = variables<A, B, Scalar, Scalar>;
+  static constexpr int residual_dim = 1;
+  static const char* name() { return "AntennaRangeWithBiasAndScale"; }
+  static constexpr auto fields() {
+    return std::tuple(field("distance", &AntennaRangeWithBiasAndScale::distance), field("sigma", &AntennaRangeWithBiasAndScale::sigma),
+                      field("lever_a", &AntennaRangeWithBiasAndScale::lever_a), field("lever_b", &AntennaRangeWithBiasAndScale::lever_b));
+  }
+
+  Vector<1> operator()(const A& a, const B& b, const Scalar& bias, const Scalar& scale, Jacobians<AntennaRangeWithBiasAndScale>* J = nullptr) const {
+    Matrix<1, A::dim + B::dim> D;
+    const double d = detail::antenna_distance(a, lever_a, b, lever_b, J == nullptr ? nullptr : &D);
+    if (J != nullptr) J->all << (1 + scale.value) * D / sigma, 1 / sigma, d / sigma;
+    return Vector<1>(((1 + scale.value) * d + bias.value - distance) / sigma);
   }
 
   Vector<1> raw(const Vector<1>& r) const { return sigma * r; }  ///< [m]
