@@ -96,7 +96,8 @@ struct AntennaRangeWithDelays {
                       field("lever_a", &AntennaRangeWithDelays::lever_a), field("lever_b", &AntennaRangeWithDelays::lever_b));
   }
 
-  Vector<1> operator()(const A& a, const B& b, const Scalar& delay_a, const Scalar& delay_b, Jacobians<AntennaRangeWithDelays>* J = nullptr) const {
+  Vector<1> operator()(const A& a, const B& b, const Scalar& delay_a, const Scalar& delay_b,
+                       Jacobians<AntennaRangeWithDelays>* J = nullptr) const {
     Matrix<1, A::dim + B::dim> D;
     const double d = detail::antenna_distance(a, lever_a, b, lever_b, J == nullptr ? nullptr : &D);
     if (J != nullptr) J->all << D / sigma, 1 / sigma, 1 / sigma;
@@ -150,7 +151,8 @@ struct AntennaRangeWithBiasAndScale {
                       field("lever_a", &AntennaRangeWithBiasAndScale::lever_a), field("lever_b", &AntennaRangeWithBiasAndScale::lever_b));
   }
 
-  Vector<1> operator()(const A& a, const B& b, const Scalar& bias, const Scalar& scale, Jacobians<AntennaRangeWithBiasAndScale>* J = nullptr) const {
+  Vector<1> operator()(const A& a, const B& b, const Scalar& bias, const Scalar& scale,
+                       Jacobians<AntennaRangeWithBiasAndScale>* J = nullptr) const {
     Matrix<1, A::dim + B::dim> D;
     const double d = detail::antenna_distance(a, lever_a, b, lever_b, J == nullptr ? nullptr : &D);
     if (J != nullptr) J->all << (1 + scale.value) * D / sigma, 1 / sigma, d / sigma;

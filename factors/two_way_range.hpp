@@ -37,10 +37,10 @@ inline double double_sided_range(double round_a, double reply_b, double round_b,
 template <class A, class B>
 struct TwoWayRange {
   using Lever = Vector<space_dim<A>>;
-  double round;  ///< by the clock of a [s]
-  double reply;  ///< by the clock of b [s]
-  double sigma;  ///< of the distance [m]
-  double speed;  ///< of the signal [m/s]
+  double round;   ///< by the clock of a [s]
+  double reply;   ///< by the clock of b [s]
+  double sigma;   ///< of the distance [m]
+  double speed;   ///< of the signal [m/s]
   Lever lever_a;  ///< of the antenna in the body frame of a [m]
   Lever lever_b;  ///< of the antenna in the body frame of b [m]
 

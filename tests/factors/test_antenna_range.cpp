@@ -23,6 +23,23 @@ TEST(AntennaRange, InNumbers) {
   EXPECT_NEAR(range.raw(Vector<1>(1))[0], 0.1, 1e-15);
 }
 
+TEST(AntennaRange, DelaysAndScaleInNumbers) {
+  const Pose2 robot(1, 2, kPi / 2);
+  const Point2 anchor(4, 6.5);  // 5 m from its antenna
+  const Vector<2> lever(0.5, 0), none(0, 0);
+  EXPECT_NEAR((AntennaRangeWithDelays<Pose2, Point2>{5.2, 0.1, lever, none}(robot, anchor, Scalar(0.2), Scalar(0.1)))[0], 1, 1e-12);
+  EXPECT_NEAR((AntennaRangeWithScale<Pose2, Point2>{5.2, 0.1, lever, none}(robot, anchor, Scalar(0.02)))[0], -1, 1e-12);
+  EXPECT_NEAR((AntennaRangeWithBiasAndScale<Pose2, Point2>{5.2, 0.1, lever, none}(robot, anchor, Scalar(0.15), Scalar(0.02)))[0], 0.5,
+              1e-12);
+}
+
+TEST(AntennaRange, IsTheSameInEveryFrame) {
+  std::mt19937_64 rng(3);
+  const Pose3 T = testing::random_variable<Pose3>(rng), a = testing::random_variable<Pose3>(rng), b = testing::random_variable<Pose3>(rng);
+  const AntennaRangeWithBiasAndScale<Pose3, Pose3> range{3, 0.2, {0.3, 0.1, 0}, {0, 0.2, 0}};
+  EXPECT_NEAR(range(a, b, Scalar(0.1), Scalar(0.02))[0], range(T * a, T * b, Scalar(0.1), Scalar(0.02))[0], 1e-10);
+}
+
 TEST(AntennaRange, JacobiansInThePlaneAndInSpace) {
   std::mt19937_64 rng(1);
   using testing::random_variable;
@@ -105,6 +122,29 @@ TEST(AntennaRange, ARobotFindsTheBiasOfEveryAnchor) {
   EXPECT_GT(without.graph.cost(y), 2 * with.graph.cost(x));
 }
 
+// Anchors surveyed to 0.5 m: with a prior each they are found along with the path, to a few centimetres.
+TEST(AntennaRange, AnchorsAreFoundAsUnknowns) {
+  UwbRobot robot(0.3);
+  std::mt19937_64 rng(11);
+  std::normal_distribution<double> normal;
+  Values x = robot.start;
+  robot.graph.add(Prior<Pose2>::from_sigmas(robot.truth.at<Pose2>(robot.A(0)), {0.01, 0.01, 0.001}), {robot.A(0)});
+  double surveyed = 0, found = 0;
+  for (int l = 0; l < UwbRobot::kAnchors; ++l) {
+    robot.graph.unfix(robot.L(l));
+    const Vector<2> truth = robot.truth.at<Point2>(robot.L(l)).value;
+    const Point2 survey((truth + 0.5 * Vector<2>(normal(rng), normal(rng))).eval());
+    surveyed = std::max(surveyed, (survey.value - truth).norm());
+    robot.graph.add(Prior<Point2>::from_sigmas(survey, {0.5, 0.5}), {robot.L(l)});
+    x.update(robot.L(l), survey);
+  }
+  ASSERT_TRUE(Irls().solve(robot.graph, x).usable());
+  for (int l = 0; l < UwbRobot::kAnchors; ++l)
+    found = std::max(found, (x.at<Point2>(robot.L(l)).value - robot.truth.at<Point2>(robot.L(l)).value).norm());
+  EXPECT_GT(surveyed, 0.3);
+  EXPECT_LT(found, 0.1);
+}
+
 }  // namespace
 }  // namespace holdfast
 
@@ -128,7 +168,27 @@ struct Sample<AntennaRangeWithBias<A, B>> : RandomVariables<AntennaRangeWithBias
   }
 };
 
+template <class F, class A, class B>
+F of_antennas(std::mt19937_64& rng) {
+  return {uniform(rng, 1, 20), uniform(rng, 0.5, 2), random_lever<A, B>(rng), random_lever<B, A>(rng)};
+}
+template <class A, class B>
+struct Sample<AntennaRangeWithDelays<A, B>> : RandomVariables<AntennaRangeWithDelays<A, B>> {
+  static AntennaRangeWithDelays<A, B> factor(std::mt19937_64& rng) { return of_antennas<AntennaRangeWithDelays<A, B>, A, B>(rng); }
+};
+template <class A, class B>
+struct Sample<AntennaRangeWithScale<A, B>> : RandomVariables<AntennaRangeWithScale<A, B>> {
+  static AntennaRangeWithScale<A, B> factor(std::mt19937_64& rng) { return of_antennas<AntennaRangeWithScale<A, B>, A, B>(rng); }
+};
+template <class A, class B>
+struct Sample<AntennaRangeWithBiasAndScale<A, B>> : RandomVariables<AntennaRangeWithBiasAndScale<A, B>> {
+  static AntennaRangeWithBiasAndScale<A, B> factor(std::mt19937_64& rng) {
+    return of_antennas<AntennaRangeWithBiasAndScale<A, B>, A, B>(rng);
+  }
+};
+
 }  // namespace holdfast::testing
 
-HOLDFAST_CONFORMS(AntennaRange<Pose2, Point2>, AntennaRange<Pose3, Pose3>, AntennaRangeWithBias<Pose2, Point2>,
+HOLDFAST_CONFORMS(AntennaRangeWithDelays<Pose2, Pose2>, AntennaRangeWithScale<Pose3, Point3>, AntennaRangeWithBiasAndScale<Pose2, Point2>,
+                  AntennaRange<Pose2, Point2>, AntennaRange<Pose3, Pose3>, AntennaRangeWithBias<Pose2, Point2>,
                   AntennaRangeWithBias<Pose3, Point3>);
