@@ -119,7 +119,7 @@ bool Tracker::prepare(const PriorEdge<V>& edge, double time) {
 
 bool Tracker::prepare(const RangeEdge& edge, double) {
   for (Key key : {edge.first, edge.second})
-    if (!has(key) && !make_landmark(key)) return false;
+    if (!has(key) && (is_sought(key, edge.distance) || !make_landmark(key))) return false;
   return true;
 }
 
@@ -266,16 +266,85 @@ bool Tracker::add_odometry(const RelativePoseEdge<V>& edge, double time) {
 }
 
 // Its start is the one that odometry_start draws from all points seen so far.
-bool Tracker::make_landmark(Key key) {
-  if (points_.count(key) == 0) return false;
+VertexValue Tracker::drawn(Key key) const {
   Dataset dataset;
   for (const auto& [other, vertex] : points_) dataset.vertices.push_back(vertex);
-  const double sigma = options_.landmark_sigma;
-  const Values start = odometry_start(dataset, options_.seed, sigma);
-  if (start.contains<Point2>(key))
-    add_landmark(key, start.at<Point2>(key), sigma);
+  return *vertex_value(odometry_start(dataset, options_.seed, options_.landmark_sigma), key);
+}
+
+bool Tracker::make_landmark(Key key) {
+  if (points_.count(key) == 0) return false;
+  const VertexValue start = drawn(key);
+  if (const Point2* point = std::get_if<Point2>(&start))
+    add_landmark(key, *point, options_.landmark_sigma);
   else
-    add_landmark(key, start.at<Point3>(key), sigma);
+    add_landmark(key, std::get<Point3>(start), options_.landmark_sigma);
+  return true;
+}
+
+// Four standard deviations of its vertex are less than the range: then the start is on the right side of every mirror.
+bool Tracker::is_sought(Key key, double distance) const {
+  if (window_.has_agent(key.agent()) || poses_.count(key) != 0) return false;
+  return points_.count(key) == 0 || 4 * options_.landmark_sigma > distance;
+}
+
+// The ranges that wait for a point, from where their other end is now; those of before from where it was when it left.
+void Tracker::seek() {
+  constexpr std::size_t kMost = 400;
+  std::map<Key, bool> grown;
+  for (const Waiting& one : waiting_) {
+    const Dataset dataset = parse_line(one.number, one.text, "");
+    const auto* range = std::get_if<RangeEdge>(&dataset.edges.front().measurement);
+    if (range == nullptr || has(range->first) == has(range->second)) continue;
+    const Key from = has(range->first) ? range->first : range->second, to = from == range->first ? range->second : range->first;
+    if (!is_sought(to, range->distance)) continue;
+    const std::optional<VertexValue> value = vertex_value(window_.values(), from);
+    if (!value) continue;
+    Sight sight{one.number, Vector<3>::Zero(), range->distance, std::sqrt(range->variance)};
+    std::visit([&](const auto& end) { sight.from.head<std::decay_t<decltype(end)>::space_dim>() = end.position(); }, *value);
+    std::vector<Sight>& sights = sought_[to];
+    const auto known = std::find_if(sights.rbegin(), sights.rend(), [&](const Sight& old) { return old.number == one.number; });
+    if (known != sights.rend()) {
+      *known = sight;
+      continue;
+    }
+    if (sights.size() == kMost) sights.erase(sights.begin());
+    sights.push_back(sight);
+    grown[to] = true;
+  }
+  for (const auto& [key, is_new] : grown)
+    if (place(key, sought_[key])) sought_.erase(key);
+}
+
+bool Tracker::place(Key key, const std::vector<Sight>& sights) {
+  constexpr double kVague = 1000;  // [m]
+  std::optional<Guess> guess;
+  bool in_plane = true;
+  if (const auto it = points_.find(key); it != points_.end()) {
+    guess = Guess{Vector<3>::Zero(), options_.landmark_sigma};
+    const auto look = [&](const auto& vertex) {
+      constexpr int space = std::decay_t<decltype(vertex)>::space_dim;
+      in_plane = space == 2;
+      guess->place.head<space>() = vertex.position();
+    };
+    std::visit(look, drawn(key));
+  } else {
+    for (const Agent agent : window_.agents())
+      in_plane = in_plane && std::holds_alternative<Pose2>(*vertex_value(window_.values(), window_.newest_key(agent)));
+  }
+  const std::optional<Vector<3>> found = located(sights, guess, in_plane ? 2 : 3);
+  if (!found) return false;
+  const auto enter = [&](const auto& at) {
+    using P = std::decay_t<decltype(at)>;
+    window_.add_landmark(key, at);
+    const P believed = guess ? P(guess->place.template head<P::space_dim>().eval()) : at;
+    window_.add(Prior<P>::from_sigmas(believed, P::Tangent::Constant(guess ? guess->sigma : kVague)), {key});
+  };
+  if (in_plane)
+    enter(Point2(found->head<2>().eval()));
+  else
+    enter(Point3(*found));
+  options_.say("t = " + std::to_string(now_) + " s: " + key.str() + " is found by " + std::to_string(sights.size()) + " ranges");
   return true;
 }
 
@@ -302,6 +371,7 @@ void Tracker::advance(double time) {
 
 // What waited for a state that has come by now; what is older than the lag waits no longer.
 void Tracker::retry() {
+  seek();
   std::deque<Waiting> waiting = std::exchange(waiting_, {});
   for (Waiting& one : waiting) {
     const Dataset dataset = parse_line(one.number, one.text, "");
@@ -313,7 +383,8 @@ void Tracker::retry() {
       continue;
     }
     ++counts_.refused;
-    last_refusal_ = "line " + std::to_string(one.number) + " names a state or landmark that never came";
+    last_refusal_ =
+        "line " + std::to_string(one.number) + " names a state or landmark that never came, or one that ranges have not placed yet";
   }
 }
 
@@ -373,6 +444,11 @@ void Tracker::save(const std::string& path) const {
     note.put(party).put(state.is_believed).put<std::uint64_t>(state.latest.size());
     for (const Trust::Judged& one : state.latest) note.put(one.ticket).put(one.fits);
   }
+  note.put<std::uint64_t>(sought_.size());
+  for (const auto& [key, sights] : sought_) {
+    note.put(key).put<std::uint64_t>(sights.size());
+    for (const Sight& one : sights) note.put(one.number).put(&one.from, sizeof one.from).put(one.distance).put(one.sigma);
+  }
   window_.save(path, note.bytes());
 }
 
@@ -417,6 +493,19 @@ void Tracker::restore(const std::string& path) {
     }
   }
   trust_.set_parties(std::move(parties));
+  sought_.clear();
+  if (note.at_end()) return;  // saved before there was such a thing
+  for (std::size_t count = note.get_count(1); count > 0; --count) {
+    std::vector<Sight>& sights = sought_[note.get_key()];
+    for (std::size_t seen = note.get_count(1); seen > 0; --seen) {
+      Sight one;
+      one.number = note.get<std::uint64_t>();
+      std::memcpy(static_cast<void*>(one.from.data()), note.take(sizeof one.from), sizeof one.from);
+      one.distance = note.get<double>();
+      one.sigma = note.get<double>();
+      sights.push_back(one);
+    }
+  }
 }
 
 }  // namespace holdfast::program

@@ -4,7 +4,8 @@
 // relative poses, ranges and points are measurements. A state's time is that of its VERTEX line if there was one, else the edge's. The
 // VERTEX line of an agent's first pose says where it starts (else: the identity), held as make_problem (adapters/files/problem.hpp) holds
 // it; of a point it is the place round which its start is drawn (odometry_start), and the prior says how far: without one, a beacon ranged
-// to once is not observable. Other vertices are taken for the truth that errors are measured by. The window is solved whenever the time
+// to once is not observable. Where that is far beside the range, or the point has no vertex, its ranges wait until they say which of two
+// places it is at (program/sought.hpp). Other vertices are taken for the truth that errors are measured by. The window is solved whenever the time
 // moves on. A measurement of a state that is not there yet waits for it as long as the lag.
 // With `trust`, a party (an agent or a landmark) most of whose latest measurements do not fit is not believed
 // (solvers/window/trust.hpp): what it measures is withheld, and its doubtful measurements leave the window, until they fit again. Those
@@ -15,6 +16,7 @@
 #include <functional>
 #include <holdfast/graph/files/binary.hpp>
 #include <holdfast/graph/files/dataset.hpp>
+#include <holdfast/program/sought.hpp>
 #include <holdfast/solvers/window/trust.hpp>
 #include <holdfast/solvers/window/window.hpp>
 #include <map>
@@ -118,6 +120,11 @@ class Tracker {
   void start(Key key, double time, const Matrix<V::dim, V::dim>& information);
   bool has(Key key) const { return window_.values().contains(key); }
   bool make_landmark(Key key);
+  VertexValue drawn(Key key) const;  ///< the start of a point that has a vertex
+  /// Whether its ranges wait until they say where it is: nothing is known of it, or little beside this distance [m].
+  bool is_sought(Key key, double distance) const;
+  void seek();
+  bool place(Key key, const std::vector<Sight>& sights);
   template <class P>
   void add_landmark(Key key, const P& start, double sigma);
   double time_of(Key key, double otherwise) const;
@@ -147,7 +154,8 @@ class Tracker {
   std::map<Key, Vertex> poses_;  ///< of VERTEX lines, until the state has left
   std::map<Key, Vertex> points_;
   std::deque<Waiting> waiting_;
-  std::map<Agent, double> printed_;  ///< the time of each agent's newest state that was printed
+  std::map<Key, std::vector<Sight>> sought_;  ///< points that only ranges know, and are in no window yet
+  std::map<Agent, double> printed_;           ///< the time of each agent's newest state that was printed
   TrackCounts counts_;
   std::string last_refusal_;
   Trust trust_;

@@ -2,9 +2,12 @@
 
 #include <array>
 #include <csignal>
+#include <filesystem>
+#include <holdfast/program/sought.hpp>
 #include <iostream>
 #include <map>
 #include <random>
+#include <regex>
 #include <thread>
 
 #include "tests/faults.hpp"
@@ -172,6 +175,64 @@ TEST_F(CliTrack, NamesABeaconThatLies) {
   }
   EXPECT_GE(named, 19);
   EXPECT_EQ(accused, 0);
+}
+
+TEST(Sought, APointIsFoundWhereItsMirrorImageIsRuledOut) {
+  const Vector<3> place(30, 20, 0);
+  std::vector<Sight> sights;
+  const auto see = [&](double x, double y) { sights.push_back({sights.size(), {x, y, 0}, (place - Vector<3>(x, y, 0)).norm(), 0.1}); };
+  for (int k = 0; k < 40; ++k) see(k, 0);
+  EXPECT_FALSE(located(sights, std::nullopt, 2)) << "from a straight path (30, -20) is as good";
+  EXPECT_LT((located(sights, Guess{{25, 30, 0}, 10}, 2).value_or(Vector<3>::Zero()) - place).norm(), 0.1) << "the guess is on one side";
+  for (int k = 0; k < 4; ++k) see(40, k);
+  EXPECT_LT((located(sights, std::nullopt, 2).value_or(Vector<3>::Zero()) - place).norm(), 0.01);
+  sights[3].distance += 50;  // one gross outlier
+  EXPECT_LT((located(sights, std::nullopt, 2).value_or(Vector<3>::Zero()) - place).norm(), 0.05);
+  EXPECT_FALSE(located({sights.begin(), sights.begin() + 2}, std::nullopt, 2));
+}
+
+TEST(Sought, InSpaceItTakesAPathThatIsNotFlat) {
+  const Vector<3> place(5, 6, 7);
+  std::vector<Sight> sights;
+  const auto see = [&](const Vector<3>& from) { sights.push_back({sights.size(), from, (place - from).norm(), 0.05}); };
+  for (int k = 0; k < 40; ++k) see({4 * std::cos(0.3 * k), 4 * std::sin(0.3 * k), 0});
+  EXPECT_FALSE(located(sights, std::nullopt, 3)) << "from a flat path (5, 6, -7) is as good";
+  for (int k = 0; k < 10; ++k) see({0, 0, 0.3 * k});
+  EXPECT_LT((located(sights, std::nullopt, 3).value_or(Vector<3>::Zero()) - place).norm(), 0.01);
+}
+
+// Beacons of which the file says little (100 m) or nothing: they are found, and the path is as good as with them but for how the map lies.
+TEST_F(CliTrack, FindsBeaconsOfWhichNothingIsKnown) {
+  for (const bool has_vertices : {true, false})
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+      std::string text = ring_of_beacons(400, seed, [](int, int, double distance, std::mt19937_64&) { return distance; });
+      if (!has_vertices) text = std::regex_replace(text, std::regex("VERTEX_XY [^\n]*\n"), "");
+      const Outcome outcome = holdfast_program(
+          {"track", write("unknown.pyfg", text), "--lag", "20", "--landmark-sigma", "100", "--seed", std::to_string(seed)});
+      EXPECT_EQ(outcome.code, kDone) << outcome.err;
+      for (const char* beacon : {"L0 is found by", "L1 is found by", "L2 is found by", "L3 is found by"})
+        EXPECT_THAT(outcome.err, HasSubstr(beacon)) << has_vertices << seed;
+      EXPECT_LT(worst_error(outcome.out, 100, 400), 1.5) << outcome.err;
+    }
+}
+
+TEST_F(CliTrack, ResumesWhileItLooksForABeacon) {
+  const std::string text = ring_of_beacons(120, 1, [](int, int, double distance, std::mt19937_64&) { return distance; });
+  const std::vector<std::string> unknown{"--landmark-sigma", "100"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.end(), unknown.begin(), unknown.end());
+    return more;
+  };
+  const Outcome whole = piped(text, with({}));
+  for (const char* break_at : {"EDGE_RANGE 2 ", "EDGE_RANGE 4 "}) {
+    const std::size_t end = text.find('\n', text.find(break_at)) + 1;
+    std::filesystem::remove(at("parts"));
+    // Every step is saved, and the end of the input is no end of the stream.
+    const Outcome first = piped(text.substr(0, end), with({"--save", at("parts"), "--save-every", "1"}));
+    const Outcome second = piped(text, with({"--save", at("parts"), "--resume"}));
+    EXPECT_EQ(states_of(second.out).back()["key"], states_of(whole.out).back()["key"]);
+    EXPECT_NEAR(states_of(second.out).back()["p"][0].get<double>(), states_of(whole.out).back()["p"][0].get<double>(), 0.05);
+  }
 }
 
 TEST_F(CliTrack, ResumesInTheMiddleOfABurst) {
