@@ -7,8 +7,8 @@
 // may be negative. offset [m], a Scalar that is estimated, is c times how far the clock of c is ahead of that of b: one for each pair of
 // anchors, with a prior. q = p + R l is where an antenna is: l [m], its lever arm, in the body frame; a point has none (antenna_range.hpp).
 // A place of constant r is a hyperbola with the foci b and c (Foy, "Position-location solutions by Taylor-series estimation", IEEE
-// T-AES 12, 1976). Differences against one common anchor share its noise: they are taken as independent here; pairs that share no anchor are.
-// Where a coincides with an anchor (below kZeroDistance) that distance is 0 and says nothing in the Jacobian.
+// T-AES 12, 1976). Differences against one common anchor share its noise: they are taken as independent here; pairs that share no anchor
+// are. Where a coincides with an anchor (below kZeroDistance) that distance is 0 and says nothing in the Jacobian.
 #pragma once
 
 #include <holdfast/factors/detail/antenna.hpp>

@@ -5,8 +5,8 @@
 //   double_sided_range(round_a, reply_b, round_b, reply_a, speed)  speed (round_a round_b − reply_a reply_b) / (their sum) [m]
 //   TwoWayRange   r = (‖q_b − q_a‖ + bias − speed/2 (round − (1 + 10⁻⁶ drift) reply)) / sigma
 //
-// All times are in seconds, each as the clock of the radio that measured it shows it. The clocks do not run alike: drift [ppm], a Scalar that
-// is estimated, is how much faster the clock of a runs than that of b. Single-sided, 1 ppm of drift and a reply of 1 ms are 0.15 m:
+// All times are in seconds, each as the clock of the radio that measured it shows it. The clocks do not run alike: drift [ppm], a Scalar
+// that is estimated, is how much faster the clock of a runs than that of b. Single-sided, 1 ppm of drift and a reply of 1 ms are 0.15 m:
 // TwoWayRange estimates it, one for each pair, with a prior (crystals: 20 ppm) or the carrier's frequency offset as a measurement of it.
 // Double-sided, with a second exchange in which b measures round_b and a replies after reply_a, the drift cancels but for one part in a
 // million of the distance (Neirynck, Luk and McLaughlin, "An alternative double-sided two-way ranging method", WPNC 2016): what it gives

@@ -5,8 +5,8 @@
 // VERTEX line of an agent's first pose says where it starts (else: the identity), held as make_problem (adapters/files/problem.hpp) holds
 // it; of a point it is the place round which its start is drawn (odometry_start), and the prior says how far: without one, a beacon ranged
 // to once is not observable. Where that is far beside the range, or the point has no vertex, its ranges wait until they say which of two
-// places it is at (program/sought.hpp). Other vertices are taken for the truth that errors are measured by. The window is solved whenever the time
-// moves on. A measurement of a state that is not there yet waits for it as long as the lag.
+// places it is at (program/sought.hpp). Other vertices are taken for the truth that errors are measured by. The window is solved whenever
+// the time moves on. A measurement of a state that is not there yet waits for it as long as the lag.
 // With `trust`, a party (an agent or a landmark) most of whose latest measurements do not fit is not believed
 // (solvers/window/trust.hpp): what it measures is withheld, and its doubtful measurements leave the window, until they fit again. Those
 // come back under Huber's loss, as does what the loss lets go of although it fits what is known without it: the state has drifted.
