@@ -5,6 +5,7 @@
 #include <holdfast/common/hosts.hpp>
 #include <holdfast/common/log.hpp>
 #include <holdfast/common/machine.hpp>
+#include <holdfast/graph/max_mixture.hpp>
 #include <holdfast/program/program.hpp>
 #include <holdfast/solvers/table.hpp>
 #include <iostream>
@@ -38,6 +39,7 @@ std::vector<std::string> backends_of(const std::string& list) {
 
 int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err) {
   register_hosts();
+  register_loss<MaxMixture>();
   CLI::App app{"holdfast: robust state estimation for many robots, on back-ends that compare", "holdfast"};
   app.set_version_flag("--version", "holdfast " HOLDFAST_VERSION " (" + commit() + ")");
   bool verbose = false;

@@ -57,6 +57,7 @@ class Reader {
     if (!same_places_)  // lists of outliers name measurements by their places
       for (UnknownLine& line : dataset_.unknown)
         if (line.tag.find("outlier_factors") != std::string::npos) line.text = "{" + line.text + "}";
+    leave_out_shared_times();
     for (Vertex& vertex : dataset_.vertices)
       if (const auto time = times_.find(vertex.key); time != times_.end() && vertex.value.index() < 2) vertex.time = time->second;
     check_types();
@@ -228,11 +229,18 @@ class Reader {
     add(RangeEdge{pose, landmark, distance, S[3]}, "BearingRangeFactor2D", one, time);
     return true;
   }
+  /// A stamp of several states of one agent (all measurements in one entry) is the time of none.
+  void leave_out_shared_times() {
+    std::map<std::pair<Agent, double>, int> states;
+    for (const auto& [key, time] : times_) ++states[{key.agent(), time}];
+    for (auto it = times_.begin(); it != times_.end();) it = states[{it->first.agent(), it->second}] > 1 ? times_.erase(it) : std::next(it);
+  }
   void add(Measurement measurement, const char* tag, const JsonValue& one, double time) {
     const std::vector<Key> keys = keys_of(measurement);
     if (keys.size() == 2 && keys[0] == keys[1]) error(one, "goes from " + keys[0].str() + " to itself; expected two different variables");
-    times_.try_emplace(keys.back(), time);
-    times_.try_emplace(keys.front(), time);
+    // The stamp is that of the state that measures: of odometry the newer one, whichever way it is written; else the first.
+    const bool one_agent = keys.size() == 2 && keys.front().agent() == keys.back().agent();
+    times_.try_emplace(one_agent ? std::max(keys.front(), keys.back()) : keys.front(), time);
     dataset_.edges.push_back({std::move(measurement), time, one.line, tag});
   }
 

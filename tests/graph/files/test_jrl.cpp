@@ -47,6 +47,28 @@ std::string two_robots() {
 "outlier_factors": {"a": [[1, 1]]}})";
 }
 
+// A loop closure or a whole file in one entry says nothing of when its older states were: no two states of an agent at one time.
+TEST(Jrl, AStampIsTheTimeOfOneState) {
+  const auto step = [](int from, int to) {
+    return R"({"type": "BetweenFactorPose3", "key1": )" + bits(a(from)) + R"(, "key2": )" + bits(a(to)) + R"(, "measurement": )" +
+           pose3(2) + R"(, "covariance": )" + covariance6(0.25, 4) + "}";
+  };
+  const auto file = [&](const std::string& entries) {
+    std::string values;
+    for (int k = 0; k < 3; ++k) values += (k == 0 ? "" : ", ") + (R"({"key": )" + bits(a(k)) + ", " + pose3(k).substr(1));
+    return R"({"name": "one", "robots": [97], "measurements": {"a": [)" + entries + R"(]}, "initialization": {"a": [)" + values + "]}}";
+  };
+  const auto entry = [](int stamp, const std::string& list) {
+    return R"({"stamp": )" + std::to_string(stamp) + R"(, "measurements": [)" + list + "]}";
+  };
+  const Dataset apart = parse_jrl(file(entry(5, step(0, 1)) + ", " + entry(7, step(2, 1) + ", " + step(0, 2))), "a.jrl");
+  EXPECT_FALSE(apart.vertices[0].time.has_value());
+  EXPECT_EQ(apart.vertices[1].time, 5.0);
+  EXPECT_EQ(apart.vertices[2].time, 7.0);
+  for (const Vertex& vertex : parse_jrl(file(entry(5, step(0, 1) + ", " + step(1, 2))), "b.jrl").vertices)
+    EXPECT_FALSE(vertex.time.has_value());
+}
+
 TEST(Jrl, IsReadByItsContent) {
   std::istringstream in(two_robots());
   const Dataset data = parse_dataset(in, "two.jrl");
