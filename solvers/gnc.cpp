@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <holdfast/graph/gradient.hpp>
+#include <holdfast/graph/starts/chordal.hpp>
 #include <holdfast/solvers/gnc.hpp>
 #include <holdfast/solvers/internal/graduated_terms.hpp>
 #include <holdfast/solvers/internal/minimizer.hpp>
@@ -10,6 +11,10 @@ namespace {
 
 constexpr double kLoose = 1e-6;  // cost_tolerance of the solves on the way, at least
 constexpr int kSecondLooks = 3;
+constexpr int kMostInVain = 16;      // one after the other
+constexpr int kMostTrials = 64;      // of second chances
+constexpr int kMostSolves = 12;      // in each, until the weights no longer change
+constexpr double kLower = 1 - 1e-6;  // a cost that is worth it
 
 }  // namespace
 
@@ -35,7 +40,10 @@ class Gnc::Run {
     if (!progress.begin(terms_.resolved().cost(graph_, start_), graph_, terms_.resolved(), start_)) return std::move(summary());
     cost_ = summary().cost;
     summary().gradient_norm = max_norm(gradient(graph_, start_).value);
-    if (graduate() && settle()) look_again();
+    if (graduate() && settle()) {
+      look_again();
+      if (gnc_.gnc_options.second_chances && summary().usable()) second_chances();
+    }
     finish(values);
     return std::move(summary());
   }
@@ -94,6 +102,90 @@ class Gnc::Run {
     }
   }
 
+  // What agreed with others and was rejected all the same: by a false loop or a fold that came first.
+  void second_chances() {
+    if (terms_.doubtful_loops(x_).empty()) return;
+    from_chordal();
+    int trials = 0;
+    for (bool is_better = true; is_better;) {
+      is_better = false;
+      int in_vain = 0;
+      for (const std::size_t loop : terms_.doubtful_loops(x_)) {
+        if (is_better || ++in_vain > kMostInVain || ++trials > kMostTrials || is_late()) break;
+        is_better = keeps_if_lower([&] {
+          terms_.admit(loop);
+          return try_solve(kLoose) && try_settle();
+        });
+      }
+    }
+  }
+
+  void from_chordal() {
+    keeps_if_lower([&] {
+      terms_.hold_again();
+      terms_.admit_all();
+      if (!chordal_start(terms_.problem(), x_) || !try_solve(kLoose)) return false;
+      terms_.begin(x_);
+      for (int solves = 0; solves < gnc_.gnc_options.max_outer_iterations; ++solves) {
+        terms_.reweigh(x_);
+        const bool arrived = terms_.arrived();
+        if (!try_solve(kLoose)) return false;
+        if (arrived) break;
+        terms_.advance(gnc_.gnc_options.mu_factor);
+      }
+      terms_.release();
+      terms_.end_graduation();
+      return try_settle();
+    });
+    terms_.release();
+    terms_.end_graduation();
+    terms_.reweigh(x_);
+  }
+
+  /// Tries something from the best so far; goes back to that unless it ends lower.
+  template <class Try>
+  bool keeps_if_lower(const Try& attempt) {
+    const Values before = x_;
+    const double cost = cost_;
+    if (attempt() && cost_ < cost * kLower) {
+      summary().cost = std::min(summary().cost, cost_);
+      summary().gradient_norm = max_norm(gradient(graph_, x_).value);
+      return true;
+    }
+    x_.assign(before);
+    cost_ = cost;
+    terms_.reweigh(x_);
+    return false;
+  }
+
+  bool is_late() const { return progress.watch.seconds() >= gnc_.options.time_limit; }
+
+  bool try_settle() {
+    for (int solves = 0; solves < kMostSolves; ++solves) {
+      const double change = terms_.reweigh(x_), before = cost_;
+      if (change == 0) return true;
+      if (!try_solve(gnc_.options.cost_tolerance)) return false;
+      if (solves > 0 && std::abs(before - cost_) <= gnc_.options.cost_tolerance * before) return true;
+    }
+    return true;
+  }
+
+  /// As solve(), and where it fails nothing ends.
+  bool try_solve(double tolerance) {
+    if (is_late()) return false;
+    const Summary inner = gnc_.solve_inner(terms_.problem(), x_, progress.watch, std::max(tolerance, gnc_.options.cost_tolerance));
+    add(inner);
+    cost_ = terms_.resolved().cost(graph_, x_);
+    return inner.usable();
+  }
+
+  void add(const Summary& inner) {
+    iterations_ += inner.iterations;
+    summary().seconds_setup += inner.seconds_setup;
+    summary().seconds_linearize += inner.seconds_linearize;
+    summary().seconds_solve += inner.seconds_solve;
+  }
+
   bool ends(const char* rule) {
     progress.end(Termination::converged, rule);
     return true;
@@ -104,10 +196,7 @@ class Gnc::Run {
     if (!progress.go_on(summary().gradient_norm)) return false;
     ++summary().iterations;
     const Summary inner = gnc_.solve_inner(terms_.problem(), x_, progress.watch, std::max(tolerance, gnc_.options.cost_tolerance));
-    iterations_ += inner.iterations;
-    summary().seconds_setup += inner.seconds_setup;
-    summary().seconds_linearize += inner.seconds_linearize;
-    summary().seconds_solve += inner.seconds_solve;
+    add(inner);
     if (!inner.usable()) {
       progress.end(Termination::failed, inner.rule);
       summary().culprit = inner.culprit;

@@ -27,6 +27,10 @@
 //   4. At the end all terms are weighed by the losses themselves, also those that waited, until the weights no longer change, or
 //      Graph::cost changes by no more than cost_tolerance of it. Then a second look: rejected terms with ‖r‖ < 2c that all others, with the
 //      uncertainty they leave, do not contradict at c, are let in where Graph::cost is lower for it.
+//   5. Second chances, where at least 4 % of the loop closures that were not held back in 2 are rejected (or of all, where at most 32 are):
+//      graduation begins once more from the chordal start of the problem without the loops held back; then such loops, the nearest first,
+//      are let in at full weight one by one, until 16 have been in vain, at most 64 in all. Whatever ends at a lower Graph::cost is kept.
+//      `second_chances` turns it off.
 #pragma once
 
 #include <holdfast/solvers/backend.hpp>
@@ -37,7 +41,8 @@ namespace holdfast {
 struct GncOptions {
   double mu_factor = 2;                 ///< > 1
   bool pairs = true;                    ///< of loop closures, those that agree with another one come first
-  int max_outer_iterations = 100;       ///< >= 1: solves of the inner back-end
+  bool second_chances = true;           ///< other starts, and rejected loops let in on trial
+  int max_outer_iterations = 100;       ///< >= 1: solves of the inner back-end, second chances apart
   std::vector<FactorId> known_inliers;  ///< of the graph to solve: ω = 1 throughout
 
   /// Throws BadOption with field, value and rule.

@@ -1,6 +1,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <holdfast/graph/variables.hpp>
 #include <holdfast/solvers/internal/agreeing_loops.hpp>
 #include <holdfast/solvers/internal/graduated_terms.hpp>
 #include <holdfast/solvers/marginals.hpp>
@@ -46,11 +47,14 @@ GraduatedTerms::GraduatedTerms(const Graph& original, const Values& values, cons
     const FactorBatch& batch = *original.batches()[b];
     all_linear_ = all_linear_ && (batch.is_linear() || batch.size() == 0);
     if (!is_graduated(batch)) continue;
+    const bool is_loop =
+        dynamic_cast<const RelativePoses<Pose2>*>(&batch) != nullptr || dynamic_cast<const RelativePoses<Pose3>*>(&batch) != nullptr;
     for (int i = 0; i < batch.size(); ++i) {
       weights_.push_back({original.id_of(static_cast<int>(b), i), 1.0});
       const Loss& loss = batch.loss(i);
       const double slope = loss.rho(0, batch.residual_dim()).first;
       terms_.push_back({static_cast<int>(b), i, loss, batch.weight(i), slope, known[b][i]});
+      terms_.back().is_loop = is_loop;
       any_truncated_ = any_truncated_ || is_truncated(terms_.back());
     }
     squared_.set_loss(static_cast<int>(b), Squared{});
@@ -83,12 +87,45 @@ bool GraduatedTerms::hold_back_lone_loops(const Graph& original) {
   const auto some = with(1), enough = with(kAgreeing);
   if (some < kFewest) return false;
   const int least = enough >= kFewest && 3 * enough >= some ? kAgreeing : 1;
-  for (std::size_t c = 0; c < candidates.size(); ++c) terms_[term[c]].is_held = agreeing[c] < least;
+  for (std::size_t c = 0; c < candidates.size(); ++c) terms_[term[c]].was_held = terms_[term[c]].is_held = agreeing[c] < least;
   return true;
 }
 
 void GraduatedTerms::release() {
   for (Term& term : terms_) term.is_held = false;
+}
+
+void GraduatedTerms::hold_again() {
+  for (Term& term : terms_) term.is_held = term.was_held;
+}
+
+void GraduatedTerms::admit_all() {
+  for (std::size_t t = 0; t < terms_.size(); ++t) set_weight(t, terms_[t].is_held ? 0 : 1);
+}
+
+std::vector<std::size_t> GraduatedTerms::doubtful_loops(const Values& values) {
+  constexpr double kRejected = 0.1;      // ω
+  constexpr double kManyOfThem = 0.04;   // rejected: something went wrong
+  constexpr std::size_t kFewLoops = 32;  // that each can be tried
+  measure(values);
+  std::vector<std::size_t> loops, all;
+  std::size_t came_first = 0, of_all = 0;
+  for (std::size_t t = 0; t < terms_.size(); ++t) {
+    const Term& term = terms_[t];
+    if (!term.is_loop || term.known || !(term.weight > 0)) continue;
+    ++of_all;
+    came_first += !term.was_held;
+    if (!(weights_[t].weight < kRejected)) continue;
+    all.push_back(t);
+    if (!term.was_held) loops.push_back(t);
+  }
+  const auto many = [](std::size_t some, std::size_t of) { return static_cast<double>(some) >= kManyOfThem * static_cast<double>(of); };
+  if (all.size() <= kFewLoops && many(all.size(), of_all))
+    loops = std::move(all);
+  else if (!many(loops.size(), came_first))
+    loops.clear();
+  std::stable_sort(loops.begin(), loops.end(), [&](std::size_t a, std::size_t b) { return terms_[a].s < terms_[b].s; });
+  return loops;
 }
 
 void GraduatedTerms::begin(const Values& values) {

@@ -25,6 +25,11 @@ class GraduatedTerms {
   /// ω = 0 until release() for loop closures that agree with no other one. False, and nothing is held back, where too few agree.
   bool hold_back_lone_loops(const Graph& original);
   void release();
+  /// Once more those that were held back.
+  void hold_again();
+  /// Relative poses of ω < 1/10 that are not known inliers, the smallest residual first: those that were never held back, or all where
+  /// they are at most 32. None where they are less than 4 % of such loops.
+  std::vector<std::size_t> doubtful_loops(const Values& values);
 
   /// Both μ from the largest residuals of the terms that are not held back.
   void begin(const Values& values);
@@ -43,6 +48,8 @@ class GraduatedTerms {
   /// ‖r‖ < kNotFar c, and rᵀ (I + J P Jᵀ)⁻¹ r <= c², P the covariance of their variables in the problem. At the values of reweigh().
   std::vector<std::size_t> compatible_rejects(const Values& values);
   void admit(std::size_t term) { set_weight(term, 1); }
+  /// All but those that are held back, whose ω is 0.
+  void admit_all();
 
  private:
   struct Term {
@@ -52,6 +59,8 @@ class GraduatedTerms {
     double slope;  ///< ρ'(0): not 1 for StudentT
     bool known;
     bool is_held = false;      ///< back
+    bool was_held = false;     ///< in this solve
+    bool is_loop = false;      ///< a relative pose
     bool is_harmless = false;  ///< on the squared side of a one-sided term
     double s = 0;              ///< ‖r‖², 0 on the squared side
   };
