@@ -111,7 +111,7 @@ class Gnc::Run {
       is_better = false;
       int in_vain = 0;
       for (const std::size_t loop : terms_.doubtful_loops(x_)) {
-        if (is_better || ++in_vain > kMostInVain || ++trials > kMostTrials || is_late()) break;
+        if (is_better || ++in_vain > kMostInVain || ++trials > kMostTrials || is_over_) break;
         is_better = keeps_if_lower([&] {
           terms_.admit(loop);
           return try_solve(kLoose) && try_settle();
@@ -158,7 +158,19 @@ class Gnc::Run {
     return false;
   }
 
-  bool is_late() const { return progress.watch.seconds() >= gnc_.options.time_limit; }
+  /// Whether second chances end here, by the callback or the time limit; the answer is the best so far.
+  bool is_over() {
+    if (is_over_) return true;
+    const Options& options = gnc_.options;
+    const Iteration iteration{summary().iterations, summary().cost, summary().gradient_norm, progress.watch.seconds()};
+    if (options.progress && !options.progress(iteration))
+      progress.end(Termination::stopped, "the progress callback asked to stop");
+    else if (iteration.seconds > options.time_limit)
+      progress.end(Termination::time_limit, "time_limit reached");
+    else
+      return false;
+    return is_over_ = true;
+  }
 
   bool try_settle() {
     for (int solves = 0; solves < kMostSolves; ++solves) {
@@ -172,7 +184,7 @@ class Gnc::Run {
 
   /// As solve(), and where it fails nothing ends.
   bool try_solve(double tolerance) {
-    if (is_late()) return false;
+    if (is_over()) return false;
     const Summary inner = gnc_.solve_inner(terms_.problem(), x_, progress.watch, std::max(tolerance, gnc_.options.cost_tolerance));
     add(inner);
     cost_ = terms_.resolved().cost(graph_, x_);
@@ -229,6 +241,7 @@ class Gnc::Run {
   detail::GraduatedTerms terms_;
   double cost_ = 0;  ///< of the graph itself, at x_
   int iterations_ = 0;
+  bool is_over_ = false;
 };
 
 Gnc::Gnc(std::unique_ptr<Backend> inner, GncOptions chosen) : gnc_options(std::move(chosen)), inner_(std::move(inner)) {

@@ -128,7 +128,9 @@ TEST(Gnc, LeavesRejectedTermsOutOfTheProblem) {
   const Ring ring(3, TruncatedSquares{4});
   auto recorder = std::make_unique<Recorder>();
   const Recorder& inner = *recorder;
-  const auto backend = gnc(std::move(recorder));
+  GncOptions once;
+  once.second_chances = false;  // whose trials come last, and may be in vain
+  const auto backend = gnc(std::move(recorder), once);
   for (int solves = 0; solves < 2; ++solves) {
     Values x = ring.start;
     EXPECT_EQ(backend->solve(ring.graph, x).termination, Termination::converged);
@@ -305,6 +307,42 @@ TEST(Gnc, KeepsTheStartWhereItEndsHigher) {
   EXPECT_EQ(summary.cost, summary.cost_first);
   EXPECT_TRUE(summary.usable());
   EXPECT_NE(summary.why().find("start"), std::string::npos);
+}
+
+// Odometry that has drifted far: which loops are believed first decides, and a second chance mends it.
+TEST(Gnc, SecondChancesEndLowerNeverHigher) {
+  int lower = 0;
+  for (std::uint64_t seed = 26; seed <= 37; ++seed) {
+    const Ring ring(seed, TruncatedSquares{3}, 0.5);
+    GncOptions once;
+    once.second_chances = false;
+    Values first = ring.start, both = ring.start;
+    const double cost = gnc(make_backend("irls"), once)->solve(ring.graph, first).cost;
+    const Summary summary = gnc(make_backend("irls"))->solve(ring.graph, both);
+    EXPECT_TRUE(summary.usable()) << summary.str();
+    EXPECT_LE(summary.cost, cost * (1 + 1e-9)) << seed;
+    EXPECT_NEAR(summary.cost, ring.graph.cost(both), 1e-9 * summary.cost);
+    const double oracle = ring.graph.cost(ring.oracle());
+    lower += summary.cost < 0.995 * cost && summary.cost < oracle * (1 + 1e-3);  // one who knows which are false ends no lower
+  }
+  EXPECT_GE(lower, 1);
+}
+
+TEST(Gnc, StopsInASecondChanceWhenAsked) {
+  const Ring ring(31, TruncatedSquares{3}, 0.5);  // where one helps
+  int calls_once = 0, calls = 0;
+  GncOptions once;
+  once.second_chances = false;
+  const auto plain = gnc(make_backend("irls"), once), chances = gnc(make_backend("irls"));
+  plain->options.progress = [&](const Iteration&) { return ++calls_once > 0; };
+  Values first = ring.start, stopped = ring.start;
+  const double cost = plain->solve(ring.graph, first).cost;
+  chances->options.progress = [&](const Iteration&) { return ++calls <= calls_once; };
+  const Summary summary = chances->solve(ring.graph, stopped);
+  EXPECT_EQ(calls, calls_once + 1);
+  EXPECT_EQ(summary.termination, Termination::stopped);
+  EXPECT_DOUBLE_EQ(summary.cost, cost);  // the best so far
+  EXPECT_DOUBLE_EQ(ring.graph.cost(stopped), cost);
 }
 
 TEST(Gnc, StopsWhenAsked) {
