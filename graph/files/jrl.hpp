@@ -11,7 +11,8 @@
 //   BearingRangeFactor2D                  with a diagonal covariance: a bearing and a range
 // Whatever else there is is in Dataset::unknown, its text in JSON. Truth beside an initialization and lists of outliers are written back
 // into a JRL file (lists only while every measurement is where it stood); other factors and values are not, and none into another format.
-// Stamps from 1e17 on are nanoseconds, others are taken as they are.
+// Stamps from 1e17 on are nanoseconds, others are taken as they are. A stamp is the time of the state that measures (of odometry, the
+// newer one); of none where several states of an agent share it.
 #pragma once
 
 #include <holdfast/graph/files/dataset.hpp>
