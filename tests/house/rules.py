@@ -60,7 +60,7 @@ FOREIGN = [
     (r"CLI/", [r"program/", r"benchmarks/"]),
     (r"nlohmann/", [r"common/", r"program/", r"benchmarks/", r"tests/"]),
     (r"benchmark/", [r"benchmarks/micro/"]),
-    (r"pybind11/", [r"python/"]),
+    (r"nanobind/", [r"python/"]),
     (r"(gtest|gmock|rapidcheck)\b", [r"tests/"]),
 ]
 

@@ -1,0 +1,45 @@
+// What the sources of the Python module share. One source a room, so that each compiles on its own.
+#pragma once
+
+#include <nanobind/eigen/dense.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/function.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <holdfast/graph/graph.hpp>
+#include <sstream>
+
+namespace holdfast::python {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+void bind_variables(nb::module_& m);
+void bind_graph(nb::module_& m);
+void bind_factors(nb::module_& m);
+void bind_solvers(nb::module_& m);
+
+template <class T>
+std::string printed(const T& x) {
+  std::ostringstream out;
+  out << x;
+  return out.str();
+}
+
+/// Anything that NumPy makes a matrix of this size of: an array, a list.
+template <class M>
+M numbers(const char* what, nb::handle given) {
+  try {
+    return nb::cast<M>(nb::module_::import_("numpy").attr("ascontiguousarray")(given, "float64"));
+  } catch (const std::bad_cast&) {
+  } catch (const nb::python_error&) {
+  }
+  std::string size = std::to_string(M::RowsAtCompileTime);
+  if (M::ColsAtCompileTime != 1) size += " x " + std::to_string(M::ColsAtCompileTime);
+  throw nb::type_error((std::string(what) + " takes " + size + " numbers, not " + nb::cast<std::string>(nb::repr(given))).c_str());
+}
+
+}  // namespace holdfast::python

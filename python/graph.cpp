@@ -1,0 +1,97 @@
+#include <holdfast/graph/check.hpp>
+#include <holdfast/graph/print.hpp>
+
+#include "bind.hpp"
+
+namespace holdfast::python {
+namespace {
+
+template <class... V>
+struct Types {};
+using Variables = Types<Point2, Point3, Motion2, Motion3, Accel2, Accel3, Turning2, Scalar, Pose2, Pose3>;
+
+template <class... V>
+nb::object value_at(const Values& values, Key key, Types<V...>) {
+  nb::object found;
+  (void)((values.contains<V>(key) && (found = nb::cast(values.at<V>(key)), true)) || ...);
+  if (!found.is_valid()) values.slot(key);  // throws BadKey
+  return found;
+}
+
+template <class... V>
+void bind_values(nb::class_<Values>& c, Types<V...> types) {
+  (c.def(
+       "insert", [](Values& values, Key key, const V& x) { values.insert(key, x); }, "key"_a, "value"_a),
+   ...);
+  (c.def(
+       "update", [](Values& values, Key key, const V& x) { values.update(key, x); }, "key"_a, "value"_a),
+   ...);
+  c.def(
+      "__getitem__", [types](const Values& values, Key key) { return value_at(values, key, types); }, "key"_a);
+}
+
+template <class E, class Base>
+nb::object error(nb::module_& m, const char* name, const Base& base) {
+  return nb::exception<E>(m, name, base.ptr());
+}
+
+}  // namespace
+
+void bind_graph(nb::module_& m) {
+  const nb::object base = nb::exception<Error>(m, "Error", PyExc_RuntimeError);
+  error<BadNumber>(m, "BadNumber", base);
+  error<BadKey>(m, "BadKey", base);
+  error<BadType>(m, "BadType", base);
+  error<BadOption>(m, "BadOption", base);
+  error<BadFile>(m, "BadFile", base);
+
+  nb::class_<Loss>(m, "Loss")
+      .def(
+          "__init__", [](Loss* loss, const std::string& text) { new (loss) Loss(Loss::parse(text)); }, "text"_a,
+          "'huber:2', 'cauchy:1:component', 'truncated_squares:3:one_sided', …")
+      .def("__eq__", [](const Loss& a, const Loss& b) { return a == b; })
+      .def("__repr__", &Loss::str);
+  nb::implicitly_convertible<std::string, Loss>();
+
+  nb::class_<Values> values(m, "Values");
+  values.def(nb::init<>())
+      .def(
+          "__init__", [](Values* to, const Values& from) { new (to) Values(from); }, "other"_a)
+      .def(
+          "erase", [](Values& v, Key key) { v.erase(key); }, "key"_a)
+      .def("keys", &Values::keys, "sorted")
+      .def("__contains__", [](const Values& v, Key key) { return v.contains(key); })
+      .def("__len__", &Values::size)
+      .def("__repr__", [](const Values& v) { return printed(v); });
+  bind_values(values, Variables());
+
+  nb::class_<FactorId>(m, "FactorId").def_ro("number", &FactorId::number).def("__repr__", [](FactorId id) {
+    return "FactorId(" + std::to_string(id.number) + ")";
+  });
+  nb::class_<Graph>(m, "Graph")
+      .def(nb::init<>())
+      .def(
+          "__init__", [](Graph* to, const Graph& from) { new (to) Graph(from); }, "other"_a)
+      .def("remove", &Graph::remove, "id"_a)
+      .def("__contains__", &Graph::contains)
+      .def("fix", &Graph::fix, "key"_a, "a fixed variable is a constant of the problem")
+      .def("unfix", &Graph::unfix, "key"_a)
+      .def("is_fixed", &Graph::is_fixed, "key"_a)
+      .def("set_weight", &Graph::set_weight, "id"_a, "weight"_a)
+      .def("set_loss", nb::overload_cast<FactorId, const Loss&>(&Graph::set_loss), "id"_a, "loss"_a)
+      .def("cost", &Graph::cost, "values"_a, nb::call_guard<nb::gil_scoped_release>(), "Σ w ½ρ at these values")
+      .def("residual", &Graph::residual, "id"_a, "values"_a, "whitened")
+      .def("factors_on", &Graph::factors_on, "key"_a)
+      .def("__len__", &Graph::size)
+      .def("__repr__", [](const Graph& g) { return printed(g); });
+
+  nb::class_<Finding>(m, "Finding")
+      .def_ro("text", &Finding::text)
+      .def_ro("keys", &Finding::keys)
+      .def_prop_ro("kind", [](const Finding& f) { return std::string(to_string(f.kind)); })
+      .def_prop_ro("is_error", [](const Finding& f) { return f.severity == Finding::Severity::error; })
+      .def("__repr__", [](const Finding& f) { return f.text; });
+  m.def("check", nb::overload_cast<const Graph&, const Values&>(&check), "graph"_a, "values"_a, "what is wrong with a problem, by name");
+}
+
+}  // namespace holdfast::python

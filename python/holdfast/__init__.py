@@ -1,0 +1,75 @@
+"""Robust factors for multi-agent state estimation, and back-ends that any of them runs on.
+
+    import holdfast as hf
+    graph, values = hf.Graph(), hf.Values()
+    values.insert("A0", hf.Pose2(0, 0, 0))
+    values.insert("L0", hf.Point2(1, 1))
+    graph.add(hf.Range[hf.Pose2, hf.Point2](distance=5, sigma=0.1), ["A0", "L0"], loss="huber:2")
+    summary = hf.make_backend("irls").solve(graph, values)
+
+A key is a Key, or its text: "A11", "r1234:7".
+"""
+from . import _core
+from ._core import *  # noqa: F401,F403
+from ._core import Graph
+
+
+class Template:
+    """A factor by the types of its variables: Range[Pose2, Point2], Prior[Pose2]."""
+
+    def __init__(self, name):
+        self.__name__ = name
+        self._by_types = {}
+
+    def __getitem__(self, types):
+        names = tuple(t.__name__ for t in (types if isinstance(types, tuple) else (types,)))
+        if names not in self._by_types:
+            known = ", ".join("[" + ", ".join(k) + "]" for k in sorted(self._by_types))
+            raise TypeError(f"there is no {self.__name__}[{', '.join(names)}]; there are: {known}")
+        return self._by_types[names]
+
+    def __repr__(self):
+        return self.__name__
+
+
+def _enter_factors():
+    for full in dir(_core):
+        name, *types = full.split("_")
+        if types and hasattr(getattr(_core, full), "_add"):
+            globals().setdefault(name, Template(name))._by_types[_types_of(name, types)] = getattr(_core, full)
+
+
+def _types_of(name, types):
+    return tuple(types[:1]) if name == "Between" or name.startswith("White") else tuple(types)  # of one type of variable
+
+
+def _add(self, factor, keys, loss=None, weight=None):
+    """Adds a factor on as many keys as it has variables; without loss and weight with its own. Returns its FactorId."""
+    if not hasattr(factor, "_add"):
+        raise TypeError(f"{factor!r} is no factor")
+    return factor._add(self, [keys] if isinstance(keys, (str, _core.Key)) else list(keys), loss, weight)
+
+
+def _add_many(self, factor_type, keys, *fields, loss=None, weight=None):
+    """One factor a row of keys (n × variables: Keys, texts, or Key.bits); each field an array of n, or one number for all."""
+    n = len(keys)
+    for column in fields:
+        if hasattr(column, "__len__") and len(column) != n:
+            raise ValueError(f"{n} rows of keys, and a field of {len(column)}")
+    columns = [column if hasattr(column, "__len__") else [column] * n for column in fields]
+    rows = [[k if isinstance(k, (str, _core.Key)) else _core.Key.from_bits(int(k)) for k in row] for row in keys]
+    factors = [factor_type(*row) for row in zip(*columns)]
+    ids = []
+    try:
+        for factor, row in zip(factors, rows):
+            ids.append(factor._add(self, row, loss, weight))
+    except Exception:
+        for one in ids:  # all or none
+            self.remove(one)
+        raise
+    return ids
+
+
+_enter_factors()
+Graph.add = _add
+Graph.add_many = _add_many

@@ -1,0 +1,9 @@
+#include "bind.hpp"
+
+NB_MODULE(_core, m) {
+  m.doc() = "Robust factors for multi-agent state estimation, and back-ends that any of them runs on.";
+  holdfast::python::bind_variables(m);
+  holdfast::python::bind_graph(m);
+  holdfast::python::bind_factors(m);
+  holdfast::python::bind_solvers(m);
+}

@@ -1,0 +1,94 @@
+#include <holdfast/adapters/files/problem.hpp>
+#include <holdfast/graph/files/files.hpp>
+#include <holdfast/solvers/marginals.hpp>
+#include <holdfast/solvers/table.hpp>
+
+#include "bind.hpp"
+
+namespace holdfast::python {
+namespace {
+
+using Square = Eigen::Map<const Eigen::MatrixXd>;
+
+Eigen::MatrixXd square(const std::vector<double>& numbers) {
+  const auto n = static_cast<Eigen::Index>(std::lround(std::sqrt(static_cast<double>(numbers.size()))));
+  return Square(numbers.data(), n, n);
+}
+
+/// Lets other Python threads run, and Ctrl-C stop it: KeyboardInterrupt, the values as they were.
+Summary solve(Backend& backend, const Graph& graph, Values& values) {
+  const auto asked = backend.options.progress;
+  struct Restore {
+    Backend& backend;
+    decltype(asked)& progress;
+    ~Restore() { backend.options.progress = progress; }
+  } restore{backend, asked};
+  backend.options.progress = [&asked](const Iteration& iteration) {
+    {
+      const nb::gil_scoped_acquire gil;
+      if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    }
+    return !asked || asked(iteration);
+  };
+  const nb::gil_scoped_release release;
+  return backend.solve(graph, values);
+}
+
+}  // namespace
+
+void bind_solvers(nb::module_& m) {
+  const nb::object base = m.attr("Error");
+  nb::exception<BadProblem>(m, "BadProblem", base.ptr());
+  nb::exception<UnobservableError>(m, "UnobservableError", base.ptr());
+
+  nb::class_<Summary>(m, "Summary")
+      .def_prop_ro("termination", [](const Summary& s) { return std::string(to_string(s.termination)); })
+      .def_prop_ro("usable", &Summary::usable, "values hold an answer no worse than the start")
+      .def_prop_ro("why", &Summary::why)
+      .def_ro("cost_first", &Summary::cost_first)
+      .def_ro("cost", &Summary::cost)
+      .def_ro("gradient_norm", &Summary::gradient_norm)
+      .def_ro("iterations", &Summary::iterations)
+      .def_ro("seconds", &Summary::seconds)
+      .def("__repr__", &Summary::str);
+  nb::class_<Backend>(m, "Backend").def_prop_ro("name", &Backend::name).def("solve", &solve, "graph"_a, "values"_a);
+  m.def("backend_names", &backend_names);
+  m.def(
+      "make_backend",
+      [](const std::string& name, int max_iterations, double cost_tolerance, double gradient_tolerance, int threads, double time_limit) {
+        Options options;
+        options.max_iterations = max_iterations;
+        options.cost_tolerance = cost_tolerance;
+        options.gradient_tolerance = gradient_tolerance;
+        options.threads = threads;
+        options.time_limit = time_limit;
+        options.validate();
+        return make_backend(name, options).release();
+      },
+      "name"_a = "irls", "max_iterations"_a = 0, "cost_tolerance"_a = 1e-6, "gradient_tolerance"_a = 1e-10, "threads"_a = 1,
+      "time_limit"_a = std::numeric_limits<double>::infinity(), nb::rv_policy::take_ownership,
+      "'gnc-irls' is irls in graduated non-convexity, and so with every name");
+
+  nb::class_<Marginals>(m, "Marginals")
+      .def(nb::init<const Graph&, const Values&>(), "graph"_a, "values"_a)
+      .def(
+          "covariance", [](const Marginals& c, Key key) { return square(c.covariance(key)); }, "key"_a)
+      .def(
+          "joint", [](const Marginals& c, Key a, Key b) { return square(c.joint(a, b)); }, "a"_a, "b"_a)
+      .def("is_observable", &Marginals::is_observable, "key"_a)
+      .def("unobservable", &Marginals::unobservable);
+
+  m.def(
+      "read_problem",
+      [](const std::string& path, const Loss& loss, const std::string& start) {
+        ProblemOptions options;
+        options.loss = loss;
+        options.start = start_named(start);
+        Problem problem = make_problem(read_dataset(path), options);
+        return nb::make_tuple(std::move(problem.graph), std::move(problem.start));
+      },
+      "path"_a, "loss"_a = Loss(), "start"_a = "file",
+      "(graph, values) of a PyFG, g2o or TORO file; start: file, odometry, chordal, convex");
+}
+
+}  // namespace holdfast::python
