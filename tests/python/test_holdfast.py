@@ -77,7 +77,7 @@ def test_errors_name_the_culprit():
         (lambda: graph.add(PlaneRange(math.nan, 1), ["A0", "L0"]), hf.BadNumber, "distance"),
         (lambda: graph.add(PlaneRange(5, 1), ["A0"]), hf.BadKey, "2 variables"),
         (lambda: graph.add(PlaneRange(5, 1), ["A0", "A0"]), hf.BadKey, "twice"),
-        (lambda: graph.add(PlaneRange(5, 1), ["A0", "L0"], loss="hubber:2"), (hf.BadOption, TypeError), ""),
+        (lambda: graph.add(PlaneRange(5, 1), ["A0", "L0"], loss="hubber:2"), (hf.BadOption, TypeError), "hubber|incompatible"),
         (lambda: graph.add(3.0, ["A0"]), TypeError, "no factor"),
         (lambda: PlaneRange(5), TypeError, "sigma"),
         (lambda: PlaneRange(5, 1, colour=3), TypeError, "more arguments"),
