@@ -13,6 +13,7 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <sstream>
 
 namespace holdfast::program {
 
@@ -44,7 +45,9 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
                    "where no loss is given, else the loss's own threshold")
       ->check(CLI::Range(1e-12, 0.5));
   command->add_flag("--pcm", arguments.pcm,
-                    "leave out loop closures that disagree with most others before solving (pairwise consistency, maximum clique)");
+                    "leave out loop closures that disagree with most others before solving (pairwise consistency, maximum clique); under a "
+                    "redescending loss "
+                    "the graph is solved without the filter, too, and the lower cost over all loops is the answer");
   command->add_flag("--certify", arguments.certify,
                     "lower bound, gap and verdict for each answer: is it the global minimum? (squared pose graphs; loose for ranges)");
   command->add_option(
@@ -133,6 +136,7 @@ class Solver {
       bar_.begin("reading " + file);
       FileProblem problem = load(file, plan_.problem, read_options(arguments_.reading));
       pcm_.clear();
+      whole_.reset();
       if (plan_.alpha) set_thresholds(problem.instance.graph, *plan_.alpha);
       if (arguments_.pcm) leave_out_inconsistent(problem.instance.graph);
       solve_file(file, stem, problem);
@@ -158,16 +162,18 @@ class Solver {
       Task task{file, plan_.problem.loss.str(), arguments_.start, backend, arguments_.seed, plan_.options};
       task.options.progress = bar_.callback();
       Values answer;
-      const Run run = run_task(task, problem.instance, answer);
+      Run run = run_task(task, problem.instance, answer);
+      const bool all_loops = pcm_harms(task, problem.instance, run, answer);
+      const Graph& solved = all_loops ? *whole_ : problem.instance.graph;
       log(file + " " + backend + ": " + run.summary.str());
       if (!run.summary.usable()) all_is_well_ = false;
       runs.push_back(to_json(run));
-      if (arguments_.pcm) runs.back()["pcm_rejected"] = rejected_loops_;
+      if (arguments_.pcm) runs.back()["pcm_rejected"] = all_loops ? 0 : rejected_loops_;
       if (run.summary.usable()) {
-        const std::string rejected = rejected_list(problem.instance.graph, answer, runs.back());
+        const std::string rejected = rejected_list(solved, answer, runs.back());
         if (arguments_.gnc && !rejected.empty()) rejected_.push_back(rejected);
       }
-      if (arguments_.certify && run.summary.usable()) certify_answer(problem.instance.graph, answer, runs.back());
+      if (arguments_.certify && run.summary.usable()) certify_answer(solved, answer, runs.back());
       bar_.done_with_one();
       if (run.summary.usable() && run.summary.cost < least && !arguments_.output.empty()) {
         least = run.summary.cost;
@@ -193,8 +199,30 @@ class Solver {
       pcm_ += (i == 0 ? "\nrejected: " : ", ") + graph.batches()[place.batch]->describe(place.index);
     }
     if (found.rejected.size() > kMostNames) pcm_ += ", and " + std::to_string(found.rejected.size() - kMostNames) + " more";
-    for (const FactorId id : found.rejected) graph.remove(id);
     rejected_loops_ = found.rejected.size();
+    if (rejected_loops_ > 0 && !plan_.problem.loss.is_convex()) whole_ = graph;
+    for (const FactorId id : found.rejected) graph.remove(id);
+  }
+
+  /// Under a loss that outliers cannot pull along, the cost over all loops says which is better, the answer with pcm or the one without;
+  /// run and answer are those of the better one.
+  bool pcm_harms(const Task& task, const Instance& filtered, Run& run, Values& answer) {
+    if (!whole_) return false;
+    const Instance all{*whole_, filtered.start, filtered.truth};
+    Values without;
+    Run other = run_task(task, all, without);
+    if (!other.summary.usable()) return false;
+    const double with_pcm = run.summary.usable() ? whole_->cost(answer) : std::numeric_limits<double>::infinity();
+    const bool harms = whole_->cost(without) < with_pcm;
+    std::ostringstream text;
+    text << "pcm, " << task.backend << ": over all loops the cost is " << with_pcm << " with it and " << whole_->cost(without)
+         << " without it; the answer is the one " << (harms ? "without" : "with") << " it";
+    pcm_ += "\n" + text.str();
+    if (harms) {
+      run = std::move(other);
+      answer = std::move(without);
+    }
+    return harms;
   }
 
   void certify_answer(const Graph& graph, const Values& answer, Json& run) {
@@ -252,6 +280,7 @@ class Solver {
   std::vector<std::string> rejected_;
   std::vector<std::string> certificates_;  ///< of the file at hand
   std::string pcm_;                        ///< what was left out of it
+  std::optional<Graph> whole_;             ///< with it, where a fall-back can be judged
   std::size_t rejected_loops_ = 0;
   bool all_is_well_ = true;
 };

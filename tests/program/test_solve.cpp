@@ -101,6 +101,10 @@ TEST_F(Solve, LeavesOutLoopsThatDisagree) {
   const auto line = lines_of(json).at(0);
   EXPECT_EQ(line["pcm_rejected"], 3);
   EXPECT_LT(line["cost"], 1);
+  EXPECT_THAT(outcome.out, Not(HasSubstr("over all loops")));  // squared: the cost over all loops says nothing
+  const Outcome judged = holdfast_program({"solve", at("line.g2o"), "--backend", "irls", "--gnc", "--pcm"});
+  EXPECT_EQ(judged.code, kDone) << judged.err;
+  EXPECT_THAT(judged.out, HasSubstr("pcm, gnc-irls: over all loops the cost is "));
 }
 
 TEST_F(Solve, KnowsNoTruthInG2o) {
