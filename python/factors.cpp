@@ -1,6 +1,9 @@
 // Every factor by one template over its fields (graph/fields.hpp): a new factor is one line at the end.
 #include <holdfast/factors/antenna_range.hpp>
 #include <holdfast/factors/between.hpp>
+#include <holdfast/factors/constant_turn.hpp>
+#include <holdfast/factors/coordinated_turn.hpp>
+#include <holdfast/factors/missing_distance.hpp>
 #include <holdfast/factors/position_step.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/range.hpp>
@@ -8,6 +11,7 @@
 #include <holdfast/factors/relative_point.hpp>
 #include <holdfast/factors/von_mises_bearing.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
+#include <holdfast/factors/white_jerk.hpp>
 
 #include "bind.hpp"
 
@@ -182,6 +186,11 @@ void bind_factors(nb::module_& m) {
   bind_factor<VonMisesBearingBody<Pose2, Point2>>(m);
   bind_factor<VonMisesBearingBody<Pose3, Point3>>(m);
   bind_factor<WhiteAcceleration<Motion2>>(m);
+  bind_factor<WhiteJerk<Accel2>>(m);
+  bind_factor<ConstantTurn<Motion2>>(m);
+  bind_factor<CoordinatedTurn>(m);
+  bind_factor<MissingDistance<Motion2, Point2>>(m);
+  bind_factor<MissingDistance<Point2, Point2>>(m);
 }
 
 }  // namespace holdfast::python

@@ -1,6 +1,7 @@
 #include <holdfast/adapters/files/problem.hpp>
 #include <holdfast/graph/files/files.hpp>
 #include <holdfast/solvers/marginals.hpp>
+#include <holdfast/solvers/outlier_report.hpp>
 #include <holdfast/solvers/table.hpp>
 
 #include "bind.hpp"
@@ -77,6 +78,18 @@ void bind_solvers(nb::module_& m) {
           "joint", [](const Marginals& c, Key a, Key b) { return square(c.joint(a, b)); }, "a"_a, "b"_a)
       .def("is_observable", &Marginals::is_observable, "key"_a)
       .def("unobservable", &Marginals::unobservable);
+
+  nb::class_<MeasurementReport>(m, "MeasurementReport")
+      .def_ro("id", &MeasurementReport::id)
+      .def_ro("factor", &MeasurementReport::factor)
+      .def_ro("keys", &MeasurementReport::keys)
+      .def_ro("raw", &MeasurementReport::raw, "in the units of the measurement; empty where the factor does not say")
+      .def_ro("whitened", &MeasurementReport::whitened, "[sigmas]")
+      .def_ro("weight", &MeasurementReport::weight, "1 is believed, 0 is ignored")
+      .def_prop_ro("verdict", [](const MeasurementReport& one) { return std::string(to_string(one.verdict)); });
+  m.def(
+      "outlier_report", [](const Graph& graph, const Values& values) { return outlier_report(graph, values); }, "graph"_a, "values"_a,
+      "which measurements the losses believe at these values");
 
   m.def(
       "read_problem",

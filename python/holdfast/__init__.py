@@ -40,7 +40,8 @@ def _enter_factors():
 
 
 def _types_of(name, types):
-    return tuple(types[:1]) if name == "Between" or name.startswith("White") else tuple(types)  # of one type of variable
+    of_one_type = name in ("Between", "ConstantTurn", "CoordinatedTurn") or name.startswith("White")
+    return tuple(types[:1]) if of_one_type else tuple(types)
 
 
 def _add(self, factor, keys, loss=None, weight=None):

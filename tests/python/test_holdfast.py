@@ -119,6 +119,38 @@ def test_a_weight_a_loss_and_a_factor_that_goes():
         graph.remove(id)
 
 
+def test_a_lie_is_reported():
+    graph, values = trilateration()
+    lie = graph.add(PlaneRange(distance=25, sigma=0.1), ["A0", "L0"], loss="truncated_squares:3")
+    assert hf.make_backend("gnc-irls").solve(graph, values).usable
+    outliers = [one for one in hf.outlier_report(graph, values) if one.verdict == "outlier"]
+    assert [one.id.number for one in outliers] == [lie.number]
+    assert outliers[0].raw == pytest.approx([-20], abs=0.1) and outliers[0].keys == [hf.Key("A0"), hf.Key("L0")]
+
+
+def test_every_factor_is_made_of_its_fields():
+    plain = {"double": 1.0, "int32": 1, "enum int32": 0}
+    made = 0
+    for name in dir(hf._core):
+        factor = getattr(hf._core, name)
+        if not hasattr(factor, "_add") or "Pose2[" in factor.fields or "Pose3[" in factor.fields or "Point" in factor.fields:
+            continue
+        fields = dict(one.split(" ", 1) for one in factor.fields.split(", "))
+        given = {}
+        for field, type_ in fields.items():
+            if type_ in plain:
+                given[field] = plain[type_]
+            elif type_.startswith("double["):
+                given[field] = np.ones([int(n) for n in type_[7:-1].split("x")]).squeeze(-1 if type_.endswith("x1]") else ())
+        if len(given) < len(fields):
+            continue
+        one = factor(**given)
+        for field, value in given.items():
+            np.testing.assert_array_equal(np.squeeze(getattr(one, field)), np.squeeze(value))
+        made += 1
+    assert made >= 20
+
+
 def test_marginals():
     graph, values = hf.Graph(), hf.Values()
     values.insert("A0", hf.Pose2())
