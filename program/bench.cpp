@@ -25,10 +25,15 @@ CLI::App* add_bench(CLI::App& app, BenchArguments& arguments) {
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   command->add_option("--seed", arguments.seed)->capture_default_str();
-  command->add_option("--runs", arguments.runs, "seeds of the papers' suites: SEED, SEED + 1, …")
-      ->capture_default_str()
+  command->add_option("--runs", arguments.runs, "seeds of the papers' suites (20) and of robust (10): SEED, SEED + 1, …")
       ->check(CLI::PositiveNumber);
   command->add_flag("--fresh", arguments.fresh, "run again what the results hold already");
+  command->add_option("--graphs", arguments.graphs, "of robust, comma-separated: these alone, such as intel,plaza2")->delimiter(',');
+  command->add_option("--kinds", arguments.kinds, "of robust: these outliers alone, such as random,\"at one place\",echoes")
+      ->delimiter(',');
+  command->add_option("--shares", arguments.shares, "of robust: these alone, such as 0.1,3")->delimiter(',');
+  command->add_option("--methods", arguments.methods, "of robust: these alone, such as gnc-irls,\"pcm + gnc-irls\"")->delimiter(',');
+  command->add_option("--write", arguments.write_to, "of robust: a directory for its pose graphs as g2o files, for benchmarks/peers");
   return command;
 }
 
@@ -43,7 +48,13 @@ RunnerOptions runner_options(const BenchArguments& arguments) {
   options.solver.validate();
   options.repetitions = arguments.repetitions;
   options.seed = arguments.seed;
-  options.runs = arguments.runs;
+  options.runs_are_asked = arguments.runs > 0;
+  if (options.runs_are_asked) options.runs = arguments.runs;
+  options.graphs = arguments.graphs;
+  options.kinds = arguments.kinds;
+  options.methods = arguments.methods;
+  options.shares = arguments.shares;
+  options.write_to = arguments.write_to;
   options.fresh = arguments.fresh;
   return options;
 }
@@ -78,6 +89,11 @@ bool run_suite(const Suite& suite, const RunnerOptions& options, Journal& journa
 int bench(const BenchArguments& arguments, Terminal& terminal) {
   const std::vector<Suite> chosen = suites_of(arguments.suites);
   const RunnerOptions options = runner_options(arguments);
+  const bool are_chosen = !(options.graphs.empty() && options.kinds.empty() && options.methods.empty() && options.shares.empty());
+  for (const Suite& suite : chosen)
+    if ((are_chosen || !options.write_to.empty()) && std::string(suite.name) != "robust")
+      fail<BadOption>("--graphs, --kinds, --shares, --methods and --write are options of the suite robust alone; ", suite.name,
+                      " has none of them");
   std::error_code error;
   fs::create_directories(arguments.out, error);
   if (error) fail<BadFile>("cannot make the directory ", arguments.out, ": ", error.message(), "; give another with --out");

@@ -104,8 +104,11 @@ struct BenchArguments {
   double time_limit = 60;  ///< [s] a solve
   int repetitions = 3;
   unsigned seed = 1;
-  unsigned runs = 20;
+  unsigned runs = 0;  ///< 0: the suite's own number
   bool fresh = false;
+  std::vector<std::string> graphs, kinds, methods;
+  std::vector<double> shares;
+  std::string write_to;
 };
 CLI::App* add_bench(CLI::App& app, BenchArguments& arguments);
 int bench(const BenchArguments& arguments, Terminal& terminal);

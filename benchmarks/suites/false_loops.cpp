@@ -27,11 +27,11 @@ class Attacker {
 
   void add(const FalseLoops& attack) {
     const auto count = static_cast<std::size_t>(std::lround(attack.share * static_cast<double>(out_.true_loops.size())));
-    const std::size_t group = attack.kind == Kind::grouped ? 10 : 1;
+    const std::size_t group = attack.kind == Kind::grouped || attack.kind == Kind::local_groups ? 10 : 1;
     while (out_.false_loops.size() < count) {
       const int n = static_cast<int>(keys_.size());
       int i = random_.index(n), j = random_.index(n);
-      if (attack.kind == Kind::local) j = std::min(n - 1, i + 2 + random_.index(19));
+      if (attack.kind == Kind::local || attack.kind == Kind::local_groups) j = std::min(n - 1, i + 2 + random_.index(19));
       if (std::abs(i - j) < 2) continue;
       Pose z = measured(attack.kind, i, j);
       for (std::size_t g = 0; g < group && out_.false_loops.size() < count; ++g, ++i, ++j) {
@@ -91,6 +91,8 @@ const char* to_string(Kind kind) {
       return "local";
     case Kind::grouped:
       return "grouped";
+    case Kind::local_groups:
+      return "local groups";
     case Kind::near_truth:
       return "near truth";
   }
@@ -103,7 +105,7 @@ std::optional<AttackedGraph> attacked(const std::string& file, const FalseLoops&
   ProblemOptions options;
   options.start = ProblemOptions::Start::odometry;
   const Problem problem = make_problem(read_dataset(path), options);
-  AttackedGraph out{problem.graph, problem.start, problem.start, {}, {}, {}};
+  AttackedGraph out{problem.graph, problem.start, problem.start, {}, {}, {}, {}};
   sort_out(problem, out);
   Options to_the_bottom;
   to_the_bottom.cost_tolerance = 1e-12;
@@ -114,6 +116,47 @@ std::optional<AttackedGraph> attacked(const std::string& file, const FalseLoops&
     Attacker<Pose2>(out, seed).add(attack);
   else
     Attacker<Pose3>(out, seed).add(attack);
+  return out;
+}
+
+const char* to_string(FalseRanges::Kind kind) {
+  switch (kind) {
+    case FalseRanges::Kind::echoes:
+      return "echoes";
+    case FalseRanges::Kind::no_line_of_sight:
+      return "no line of sight";
+    case FalseRanges::Kind::as_it_is:
+      return "as it is";
+  }
+  return "";
+}
+
+std::optional<AttackedGraph> attacked(const std::string& file, const FalseRanges& attack, unsigned seed) {
+  const std::string path = (std::filesystem::path(data_directory()) / "range" / (file + ".pyfg")).string();
+  if (!std::filesystem::is_regular_file(path)) return std::nullopt;
+  ProblemOptions options;
+  options.start = ProblemOptions::Start::odometry;
+  options.seed = seed;
+  common::FileProblem whole = common::load(path, options);
+  Dataset& dataset = whole.dataset;
+  Random random(seed);
+  std::vector<bool> is_false(dataset.edges.size(), false);
+  for (std::size_t i = 0; i < dataset.edges.size(); ++i) {
+    auto* const range = std::get_if<RangeEdge>(&dataset.edges[i].measurement);
+    if (range == nullptr || attack.kind == FalseRanges::Kind::as_it_is || !random.chance(attack.share)) continue;
+    is_false[i] = true;
+    range->distance += attack.kind == FalseRanges::Kind::echoes ? random.uniform(1, 20) : -2 * std::log1p(-random.uniform());
+  }
+  Problem problem = make_problem(dataset, options);
+  AttackedGraph out{std::move(problem.graph), problem.start, whole.instance.start, whole.instance.truth, {}, {}, {}};
+  for (std::size_t i = 0; i < dataset.edges.size(); ++i)
+    if (std::holds_alternative<RangeEdge>(dataset.edges[i].measurement))
+      (is_false[i] ? out.false_loops : out.true_loops).push_back(problem.factors[i]);
+    else
+      out.odometry.push_back(problem.factors[i]);
+  Options to_the_bottom;
+  to_the_bottom.cost_tolerance = 1e-12;
+  Irls(to_the_bottom).solve(whole.instance.graph, out.clean);
   return out;
 }
 
