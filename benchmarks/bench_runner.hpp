@@ -14,13 +14,13 @@ struct RunnerOptions {
   Options solver;       ///< the same for all
   int repetitions = 3;  ///< of a solve that takes less than kFast; the back-ends in turn
   unsigned seed = 1;
-  unsigned runs = 20;  ///< of the papers' suites and of robust: seeds from `seed` on
+  unsigned runs = 20;           ///< of the papers' suites and of robust: seeds from `seed` on
   bool runs_are_asked = false;  ///< else a suite may have fewer of its own
   /// Of robust: these graphs, kinds of outliers, methods and shares alone; empty: all.
   std::vector<std::string> graphs, kinds, methods;
   std::vector<double> shares;
   std::string write_to;  ///< of robust: a directory that gets its problems as g2o files, for other programs; "": none
-  bool fresh = false;  ///< run again what is in the journal
+  bool fresh = false;    ///< run again what is in the journal
 };
 
 /// Solves that take longer are run once [s].

@@ -2,8 +2,11 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <holdfast/benchmarks/race.hpp>
+#include <holdfast/benchmarks/suites/robust_cases.hpp>
 #include <holdfast/factors/between.hpp>
+#include <holdfast/factors/range.hpp>
 
 #include "tests/program/helpers.hpp"
 
@@ -12,6 +15,7 @@ namespace {
 
 using program::InDirectory;
 using program::lines_of;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -165,6 +169,140 @@ TEST(WindowRace, GivesTheSameNumbersForTheSameSeed) {
   };
   EXPECT_EQ(facts(1), facts(1));
   EXPECT_NE(facts(1), facts(2));
+}
+
+/// A data directory of the test's own while this lives.
+class DataDirectory {
+ public:
+  explicit DataDirectory(const std::string& path) {
+    if (const char* before = std::getenv("HOLDFAST_DATA")) before_ = before;
+    ::setenv("HOLDFAST_DATA", path.c_str(), 1);
+  }
+  ~DataDirectory() { before_ ? ::setenv("HOLDFAST_DATA", before_->c_str(), 1) : ::unsetenv("HOLDFAST_DATA"); }
+  DataDirectory(const DataDirectory&) = delete;
+  DataDirectory& operator=(const DataDirectory&) = delete;
+
+ private:
+  std::optional<std::string> before_;
+};
+
+class Robust : public Suites {
+ protected:
+  static constexpr int kPoses = 300;
+  Robust() {
+    std::filesystem::create_directories(at("range"));
+    std::filesystem::create_directories(at("pose_graph"));
+    std::ostringstream ranges, loops;
+    for (int k = 0; k < kPoses; ++k) ranges << "VERTEX_SE2 " << k << " A" << k << ' ' << 0.1 * k << " 0 0\n";
+    ranges << "VERTEX_XY L0 5 9\nVERTEX_XY L1 25 -8\n";
+    for (int k = 1; k < kPoses; ++k) {
+      ranges << "EDGE_SE2 " << k << " A" << k - 1 << " A" << k << " 0.1 0 0 0.0001 0 0 0.0001 0 0.000001\n";
+      ranges << "EDGE_RANGE " << k << " A" << k << " L0 " << std::hypot(5 - 0.1 * k, 9.0) << " 0.01\n";
+      ranges << "EDGE_RANGE " << k << " A" << k << " L1 " << std::hypot(25 - 0.1 * k, 8.0) << " 0.01\n";
+      loops << "EDGE_SE2 " << k - 1 << ' ' << k << " 1 0 0.1 100 0 0 100 0 400\n";
+    }
+    constexpr int kRound = 63;  // about 2 pi / 0.1
+    for (int k = kRound; k < kPoses; ++k) loops << "EDGE_SE2 " << k - kRound << ' ' << k << " 0.1 0 0.0168 100 0 0 100 0 400\n";
+    write("range/plaza2.pyfg", ranges.str());
+    write("pose_graph/CSAIL.g2o", loops.str());
+  }
+  double error(const AttackedGraph& problem, FactorId id) const {
+    const Graph::Place& place = problem.graph.place(id);
+    const Key* const keys = problem.graph.batches()[place.batch]->keys(place.index);
+    const double truth =
+        (problem.truth.at<Pose2>(keys[0]).p - Vector<2>(keys[1] == Key("L0") ? 5 : 25, keys[1] == Key("L0") ? 9 : -8)).norm();
+    return problem.graph.at<Range<Pose2, Point2>>(id).distance - truth;
+  }
+};
+
+TEST_F(Robust, EchoesAreOneToTwentyMetresTooLongAndTheOthersAsTheyWere) {
+  const DataDirectory data(at(""));
+  const auto problem = attacked("plaza2", FalseRanges{FalseRanges::Kind::echoes, 0.4}, 1);
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->odometry.size(), kPoses - 1u);
+  EXPECT_EQ(problem->false_loops.size() + problem->true_loops.size(), 2 * (kPoses - 1u));
+  EXPECT_NEAR(static_cast<double>(problem->false_loops.size()), 0.4 * 2 * (kPoses - 1), 60);
+  for (const FactorId id : problem->false_loops) {
+    EXPECT_GE(error(*problem, id), 1 - 1e-3);
+    EXPECT_LE(error(*problem, id), 20 + 1e-3);
+  }
+  for (const FactorId id : problem->true_loops) EXPECT_NEAR(error(*problem, id), 0, 1e-3);
+  const auto again = attacked("plaza2", FalseRanges{FalseRanges::Kind::echoes, 0.4}, 1);
+  EXPECT_EQ(problem->graph.cost(problem->start), again->graph.cost(again->start));
+}
+
+TEST_F(Robust, WithoutLineOfSightRangesAreTwoMetresTooLongOnAverage) {
+  const DataDirectory data(at(""));
+  const auto problem = attacked("plaza2", FalseRanges{FalseRanges::Kind::no_line_of_sight, 0.9}, 2);
+  ASSERT_TRUE(problem);
+  double sum = 0;
+  for (const FactorId id : problem->false_loops) sum += error(*problem, id), EXPECT_GE(error(*problem, id), -1e-3);
+  EXPECT_NEAR(sum / static_cast<double>(problem->false_loops.size()), 2, 0.4);
+  const auto untouched = attacked("plaza2", FalseRanges{FalseRanges::Kind::as_it_is, 0}, 2);
+  EXPECT_TRUE(untouched->false_loops.empty());
+}
+
+TEST_F(Robust, LocalGroupsAreOfPosesNearEachOther) {
+  const DataDirectory data(at(""));
+  const auto problem = attacked("CSAIL", FalseLoops{FalseLoops::Kind::local_groups, 0.5}, 1);
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->false_loops.size(), (problem->true_loops.size() + 1) / 2);
+  int in_groups = 0;
+  Key before[2] = {};
+  for (const FactorId id : problem->false_loops) {
+    const Graph::Place& place = problem->graph.place(id);
+    const Key* const keys = problem->graph.batches()[place.batch]->keys(place.index);
+    EXPECT_LE(keys[1].step() - keys[0].step(), 20u);
+    in_groups += keys[0].step() == before[0].step() + 1 && keys[1].step() == before[1].step() + 1;
+    std::copy_n(keys, 2, before);
+  }
+  EXPECT_GT(in_groups, static_cast<int>(problem->false_loops.size()) / 2);
+  EXPECT_FALSE(attacked("intel", FalseLoops{FalseLoops::Kind::local_groups, 0.5}, 1)) << "there is no such file";
+}
+
+TEST(RobustCases, AreChosenByNameAndAWrongNameIsSaidWithThoseThereAre) {
+  RunnerOptions options;
+  options.graphs = {"plaza2", "goats_14"};
+  for (const RobustSetting& one : robust_settings(options)) EXPECT_TRUE(one.of_ranges());
+  options.kinds = {"echoes"};
+  options.shares = {0.4};
+  EXPECT_EQ(robust_settings(options).size(), 1u);
+  options.kinds = {"echos"};
+  try {
+    robust_settings(options);
+    FAIL();
+  } catch (const BadOption& bad) {
+    EXPECT_THAT(bad.what(), AllOf(HasSubstr("echos"), HasSubstr("no line of sight")));
+  }
+  options.methods = {"magic"};
+  EXPECT_THROW(robust_methods(options), BadOption);
+}
+
+TEST_F(Robust, ARunIsScoredByErrorPrecisionAndRecallAndWritesItsProblems) {
+  const DataDirectory data(at(""));
+  const std::vector<std::string> ranges{"bench",  "robust",   "--graphs", "plaza2",    "--kinds",
+                                        "echoes", "--shares", "0.4",      "--methods", "squared,truncated_squares,gnc-irls",
+                                        "--runs", "1",        "--out",    at("out")};
+  const program::Outcome run = program::holdfast_program(ranges);
+  ASSERT_EQ(run.code, 0) << run.err;
+  const auto lines = lines_of(at("out/robust.jsonl"));
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0]["success"], false) << lines[0];
+  EXPECT_EQ(lines[2]["success"], true) << lines[2];
+  EXPECT_GT(lines[2]["precision"], 0.95);
+  EXPECT_GT(lines[2]["recall"], 0.95);
+  EXPECT_GT(lines[2]["clean_seconds"], 0);
+  ASSERT_EQ(program::holdfast_program(ranges).code, 0);
+  EXPECT_EQ(lines_of(at("out/robust.jsonl")).size(), 3u) << "nothing is run twice";
+
+  const program::Outcome loops =
+      program::holdfast_program({"bench", "robust", "--graphs", "CSAIL", "--kinds", "random", "--shares", "0.1", "--methods", "squared",
+                                 "--runs", "1", "--out", at("out"), "--write", at("problems")});
+  ASSERT_EQ(loops.code, 0) << loops.err;
+  EXPECT_TRUE(std::filesystem::is_regular_file(at("problems/CSAIL_random_0.1_1.g2o")));
+  EXPECT_TRUE(std::filesystem::is_regular_file(at("problems/CSAIL_random_0.1_1_clean.g2o")));
+  EXPECT_THAT(program::text_of(at("problems/CSAIL_random_0.1_1.json")), HasSubstr("\"false_loops\":24"));
+  EXPECT_NE(program::holdfast_program({"bench", "data", "--graphs", "CSAIL", "--out", at("out")}).code, 0);
 }
 
 }  // namespace
