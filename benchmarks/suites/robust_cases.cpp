@@ -13,6 +13,10 @@ std::vector<RobustMethod> all_methods() {
                                 {"huber", "irls", [](double) { return Loss(Huber{1.345}); }},
                                 {"cauchy", "irls", [](double) { return Loss(Cauchy{1}); }},
                                 {"geman_mcclure", "irls", [](double c) { return Loss(GemanMcClure{c}); }},
+                                {"welsch", "irls", [](double c) { return Loss(Welsch{c}); }},
+                                {"tukey", "irls", [](double c) { return Loss(Tukey{c}); }},
+                                {"student_t", "irls", [](double) { return Loss(StudentT{3}); }},
+                                {"dcs", "irls", [](double c) { return Loss(DynamicCovarianceScaling{c}); }},
                                 {"truncated_squares", "irls", truncated},
                                 {"gnc-irls", "gnc-irls", truncated},
                                 {"gnc-irls one_sided", "gnc-irls", [](double c) { return one_sided(TruncatedSquares{c}); }, false, true}};
