@@ -7,9 +7,10 @@
 
 namespace holdfast::bench {
 
-/// Dynamic covariance scaling (Agarwal, Tipaldi, Spinello, Stachniss & Burgard, ICRA 2013): weight min(1, 2Φ/(Φ + s))², Φ = c². The ρ of that
-/// weight: s up to Φ, then Φ (3s − Φ) / (s + Φ). Switchable constraints (Sünderhauf & Protzel, IROS 2012) with each switch at its optimum,
-/// min over ω of ω² s + Φ (1 − ω)², are GemanMcClure{c}.
+/// Dynamic covariance scaling (Agarwal, Tipaldi, Spinello, Stachniss & Burgard, ICRA 2013): weight min(1, 2Φ/(Φ + s))², Φ = c². The ρ of
+/// that weight: s up to Φ, then Φ (3s − Φ) / (s + Φ).
+/// Switchable constraints (Sünderhauf & Protzel, IROS 2012) with each switch at its optimum, min over ω of ω² s + Φ (1 − ω)², are
+/// GemanMcClure{c}.
 struct DynamicCovarianceScaling {
   double c;
   static const char* name() { return "dcs"; }
