@@ -112,8 +112,9 @@ def solve(about, path):
     true_kept = sum(weights[k] >= 0.5 for k in true_loops)
     false_kept = sum(weights[k] >= 0.5 for k in false_loops)
     error = ate(answer, truth, planar)
-    return {"seconds": seconds, "termination": "converged", "ate": error, "success": error < 0.1, "true_lost": len(true_loops) - int(true_kept),
-            "false_kept": int(false_kept), "true_loops": len(true_loops), "false_loops": len(false_loops),
+    return {"seconds": seconds, "termination": "converged", "ate": error, "success": error < 0.1,
+            "true_lost": len(true_loops) - int(true_kept), "false_kept": int(false_kept),
+            "true_loops": len(true_loops), "false_loops": len(false_loops),
             "precision": true_kept / (true_kept + false_kept) if true_kept + false_kept else None, "recall": true_kept / len(true_loops)}
 
 
