@@ -52,6 +52,7 @@ struct SolveArguments {
   std::optional<double> alpha;
   bool pcm = false;
   bool certify = false;
+  bool second_order = true;
 };
 CLI::App* add_solve(CLI::App& app, SolveArguments& arguments);
 int solve(const SolveArguments& arguments, Terminal& terminal);

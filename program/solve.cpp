@@ -9,6 +9,7 @@
 #include <holdfast/program/rejected.hpp>
 #include <holdfast/solvers/certificate.hpp>
 #include <holdfast/solvers/pairwise_consistency.hpp>
+#include <holdfast/solvers/second_order.hpp>
 #include <holdfast/solvers/table.hpp>
 #include <limits>
 #include <optional>
@@ -50,6 +51,9 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
                     "the graph is solved without the filter, too, and the lower cost over all loops is the answer");
   command->add_flag("--certify", arguments.certify,
                     "lower bound, gap and verdict for each answer: is it the global minimum? (squared pose graphs; loose for ranges)");
+  command->add_flag("--second-order,!--no-second-order", arguments.second_order,
+                    "look whether an answer is a minimum, leave it where it is a saddle, and solve again (on; where there are ranges, "
+                    "bearings, landmarks or positions)");
   command->add_option(
       "--output", arguments.output,
       "write the file with the answer as its vertices (of several back-ends the one of the lowest cost); the name's ending says "
@@ -157,6 +161,7 @@ class Solver {
     Values best;
     double least = std::numeric_limits<double>::infinity();
     rejected_.clear();
+    saddles_.clear();
     for (const std::string& backend : plan_.backends) {
       bar_.begin(file + " " + backend);
       Task task{file, plan_.problem.loss.str(), arguments_.start, backend, arguments_.seed, plan_.options};
@@ -165,9 +170,11 @@ class Solver {
       Run run = run_task(task, problem.instance, answer);
       const bool all_loops = pcm_harms(task, problem.instance, run, answer);
       const Graph& solved = all_loops ? *whole_ : problem.instance.graph;
+      const SecondOrder end = leave_saddles(solved, problem.instance.truth, run, answer);
       log(file + " " + backend + ": " + run.summary.str());
       if (!run.summary.usable()) all_is_well_ = false;
       runs.push_back(to_json(run));
+      note_second_order(end, runs.back());
       if (arguments_.pcm) runs.back()["pcm_rejected"] = all_loops ? 0 : rejected_loops_;
       if (run.summary.usable()) {
         const std::string rejected = rejected_list(solved, answer, runs.back());
@@ -188,6 +195,42 @@ class Solver {
         terminal_.err << "holdfast: note: " << note << '\n';
     print(file, problem, runs);
     lines_.insert(lines_.end(), runs.begin(), runs.end());
+  }
+
+  /// Run and answer are those of the minimum that lies below where the back-end stopped at a saddle.
+  SecondOrder leave_saddles(const Graph& graph, const Values& truth, Run& run, Values& answer) const {
+    SecondOrder end;
+    end.summary = run.summary;
+    end.why = "--no-second-order";
+    if (!arguments_.second_order) return end;
+    end.why = "no factor that could hide a saddle";
+    if (run.summary.usable() && !may_hide_saddles(graph)) return end;
+    std::string name = run.task.backend;  // GNC would begin with the start again
+    if (const std::string gnc = "gnc-"; name.rfind(gnc, 0) == 0) name = name.substr(gnc.size());
+    Options options = run.task.options;
+    options.progress = nullptr;
+    end = second_order_from(graph, answer, *make_backend(name, options), run.summary);
+    if (end.saddles == 0) return end;
+    if (!end.summary.usable()) {  // the answer is as it was
+      end.summary = run.summary;
+      return end;
+    }
+    run.summary = end.summary;
+    run.seconds = {end.summary.seconds + end.seconds_check};
+    run.error = position_error(truth, answer);
+    run.ranges = count_ranges(graph, answer);
+    return end;
+  }
+  void note_second_order(const SecondOrder& end, Json& run) {
+    run["minimum"] = to_string(end.verdict);
+    run["saddles_left"] = end.saddles;
+    run["seconds_second_order"] = end.seconds_check;
+    if (end.verdict == SecondOrder::Verdict::not_checked) run["not_checked"] = end.why;
+    const std::string name = run["backend"].get<std::string>();
+    if (end.verdict == SecondOrder::Verdict::left_saddle)
+      saddles_.push_back(name + " left a saddle (" + std::to_string(end.saddles) + " in all): the answer is a second-order minimum");
+    else if (end.curvature < 0 && end.verdict == SecondOrder::Verdict::not_checked)
+      saddles_.push_back(name + ": the answer may be a saddle: " + end.why);
   }
 
   void leave_out_inconsistent(Graph& graph) {
@@ -256,6 +299,7 @@ class Solver {
     if (!problem.start.empty()) terminal_.out << "start: " << problem.start << '\n';
     print_solve(terminal_.out, runs);
     print_differences(terminal_.out, runs);
+    for (const std::string& saddle : saddles_) terminal_.out << saddle << '\n';
     for (const std::string& rejected : rejected_) terminal_.out << rejected << '\n';
     for (const std::string& certificate : certificates_) terminal_.out << certificate << '\n';
     terminal_.out << std::endl;
@@ -278,6 +322,7 @@ class Solver {
   ProgressBar bar_;
   std::vector<Json> lines_;
   std::vector<std::string> rejected_;
+  std::vector<std::string> saddles_;       ///< of the file at hand
   std::vector<std::string> certificates_;  ///< of the file at hand
   std::string pcm_;                        ///< what was left out of it
   std::optional<Graph> whole_;             ///< with it, where a fall-back can be judged

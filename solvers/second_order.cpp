@@ -254,11 +254,11 @@ std::string SecondOrder::str() const {
   return text.str();
 }
 
-SecondOrder second_order(const Graph& graph, Values& values, Backend& backend, const SecondOrderOptions& options) {
+SecondOrder second_order_from(const Graph& graph, Values& values, Backend& backend, Summary solved, const SecondOrderOptions& options) {
   options.validate();
   SecondOrder end;
+  end.summary = std::move(solved);
   Values x = values;
-  end.summary = backend.solve(graph, x);
   while (end.summary.termination == Termination::converged) {
     const Stopwatch watch;
     const bool left = leave(graph, x, options, end);
@@ -275,6 +275,21 @@ SecondOrder second_order(const Graph& graph, Values& values, Backend& backend, c
   }
   if (end.summary.usable()) values.assign(x);
   return end;
+}
+
+SecondOrder second_order(const Graph& graph, Values& values, Backend& backend, const SecondOrderOptions& options) {
+  options.validate();
+  Values x = values;
+  Summary solved = backend.solve(graph, x);
+  SecondOrder end = second_order_from(graph, x, backend, std::move(solved), options);
+  if (end.summary.usable()) values.assign(x);
+  return end;
+}
+
+bool may_hide_saddles(const Graph& graph) {
+  return std::any_of(graph.batches().begin(), graph.batches().end(), [](const auto& batch) {
+    return !batch->is_linear() && batch->residual_dim() < *std::max_element(batch->dims().begin(), batch->dims().end());
+  });
 }
 
 }  // namespace holdfast

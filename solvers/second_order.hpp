@@ -18,7 +18,7 @@
 // least. A direction that bends down by less than curvature_tolerance · vᵀMv is taken for flat. A minimum may be a local one.
 // Cost of a check: a linearisation, an ordering, a factorisation, and two gradients and one substitution a Lanczos step. It allocates.
 // That is dear: 0.28 to 1.26 of irls' own solve on twelve public files (M3500 to tiers; Huber 2, start from odometry), where none
-// ended in a saddle. So nobody calls it unasked.
+// ended in a saddle. The program's solve asks for it where may_hide_saddles(); nothing in the library calls it unasked.
 #pragma once
 
 #include <holdfast/solvers/backend.hpp>
@@ -54,5 +54,12 @@ const char* to_string(SecondOrder::Verdict verdict);
 /// Throws what Backend::solve throws, and BadOption. Values are unchanged where it fails (summary.usable() is false); the cost never rises
 /// from one solve to the next. The back-end's time_limit holds for each solve.
 SecondOrder second_order(const Graph& graph, Values& values, Backend& backend, const SecondOrderOptions& options = {});
+
+/// The same where `values` is an answer already, and `solved` says how it was found; `backend` solves again from where a saddle was left.
+SecondOrder second_order_from(const Graph& graph, Values& values, Backend& backend, Summary solved, const SecondOrderOptions& options = {});
+
+/// True where some factor is not linear and has fewer residuals than one of its variables has unknowns (ranges, bearings, landmarks,
+/// positions): where a start in a plane, on a line or in one point hides a direction from every gradient.
+bool may_hide_saddles(const Graph& graph);
 
 }  // namespace holdfast

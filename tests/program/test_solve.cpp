@@ -41,6 +41,35 @@ TEST_F(Solve, WritesOneObjectARunWithEveryField) {
   EXPECT_NEAR(lines[0]["cost"], lines[1]["cost"], 1e-5 * lines[0]["cost"].get<double>());
 }
 
+/// Anchors in one plane and the start in it (cases/coplanar_in_plane): stationary at 58.5 across the plane.
+TEST_F(Solve, LeavesASaddle) {
+  std::ostringstream text;
+  const double corners[4][2] = {{0, 0}, {10, 0}, {10, 8}, {0, 8}};
+  for (int i = 0; i < 4; ++i)
+    text << "VERTEX_XYZ L" << i << ' ' << corners[i][0] << ' ' << corners[i][1] << " 2.5\nVERTEX_XYZ:PRIOR 0 L" << i << ' ' << corners[i][0]
+         << ' ' << corners[i][1] << " 2.5 0.0001 0 0 0.0001 0 0.0001\n";
+  const double ranges[3][4] = {
+      {4.779121, 7.927168, 8.879189, 6.232175}, {6.576473, 6.576473, 6.576473, 6.576473}, {7.549834, 4.123106, 7.000000, 9.433981}};
+  const double starts[3][2] = {{3, 3}, {5, 4}, {7, 2}};
+  for (int p = 0; p < 3; ++p) {
+    text << "VERTEX_XYZ P" << p << ' ' << starts[p][0] << ' ' << starts[p][1] << " 2.5\n";
+    for (int i = 0; i < 4; ++i) text << "EDGE_RANGE 0 P" << p << " L" << i << ' ' << ranges[p][i] << " 0.01\n";
+  }
+  const std::string file = write("plane.pyfg", text.str()), json = at("runs.jsonl");
+  const Outcome left = holdfast_program({"solve", file, "--backend", "irls,nesterov", "--json", json});
+  EXPECT_EQ(left.code, kDone) << left.err;
+  EXPECT_THAT(left.out, HasSubstr("irls left a saddle"));
+  const auto lines = lines_of(json);
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_LT(lines[0]["cost"], 1e-6);
+  EXPECT_LT(lines[1]["cost"], 0.1);
+  for (const auto& line : lines) EXPECT_EQ(line["minimum"], "left a saddle");
+  const Outcome stuck = holdfast_program({"solve", file, "--backend", "irls", "--no-second-order", "--json", json});
+  EXPECT_EQ(stuck.code, kDone) << stuck.err;
+  EXPECT_GT(lines_of(json)[0]["cost"], 58);
+  EXPECT_EQ(lines_of(json)[0]["minimum"], "not checked");
+}
+
 TEST_F(Solve, PrintsARowABackEnd) {
   const Outcome outcome = holdfast_program({"solve", write("two.pyfg", small_pyfg()), "--loss", "huber:2"});
   EXPECT_EQ(outcome.code, kDone) << outcome.err;
