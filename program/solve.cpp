@@ -203,8 +203,8 @@ class Solver {
     end.summary = run.summary;
     end.why = "--no-second-order";
     if (!arguments_.second_order) return end;
-    end.why = "no factor that could hide a saddle";
-    if (run.summary.usable() && !may_hide_saddles(graph)) return end;
+    end.why = run.summary.usable() ? "no factor that could hide a saddle" : "the solve failed";
+    if (!run.summary.usable() || !may_hide_saddles(graph)) return end;
     std::string name = run.task.backend;  // GNC would begin with the start again
     if (const std::string gnc = "gnc-"; name.rfind(gnc, 0) == 0) name = name.substr(gnc.size());
     Options options = run.task.options;
