@@ -6,6 +6,8 @@
 namespace holdfast::common {
 namespace {
 
+constexpr double kNothing = 1e-6;  // of a cost, in squared sigmas: two exact fits differ by rounding and by where they stopped
+
 std::string text(const Json& json, const char* format) { return json.is_number() ? cell(format, json.get<double>()) : "-"; }
 
 /// Runs of one name were given the same problem.
@@ -99,7 +101,7 @@ void print_differences(std::ostream& out, const std::vector<Json>& runs) {
     std::string higher;
     for (const Json* run : group) {
       const double difference = cost(run) - cost(best);
-      if (!(difference > kSameCost * std::abs(cost(best)))) continue;
+      if (!(difference > kSameCost * std::abs(cost(best)) + kNothing)) continue;
       const bool converged = (*run)["termination"] == "converged";
       higher += (higher.empty() ? " " : "; ") + (*run)["backend"].get<std::string>() + " " +
                 text(difference / std::abs(cost(best)), "%+.2g") +

@@ -138,11 +138,19 @@ class Doctor {
     add_text(Kind::free_gauge, Severity::error, {first}, who, " can move together at no cost (", motions.str(), "); add a prior on ", first,
              " or fix it");
   }
+  /// "heading" where the variable is a pose in the plane.
+  std::string name_of(const GraphComponent::Direction& d) const {
+    const PoolBase& pool = values_.pool(values_.slot(d.key).pool);
+    const std::string type = pool.type_name(), axis = d.component < 6 ? std::string(1, "xyzxyz"[d.component]) : "";
+    if (type == "Point2" || type == "Point3") return "position " + axis;
+    if (type == "Pose2" && d.component == 2) return "heading";
+    if (type == "Pose3" && d.component >= 3) return "rotation " + axis;
+    return "tangent direction " + std::to_string(d.component);
+  }
   void report_directions(const GraphComponent& component) {
     for (const GraphComponent::Direction& d : component.directions)
-      add_text(Kind::unconstrained_direction, d.only_here ? Severity::warning : Severity::error, {d.key}, d.key, ": tangent direction ",
-               d.component, " is not constrained by any factor",
-               d.others > 0 ? " (" + std::to_string(d.others) + " more variables move with it)" : "",
+      add_text(Kind::unconstrained_direction, d.only_here ? Severity::warning : Severity::error, {d.key}, d.key, ": ", name_of(d),
+               " is not constrained by any factor", d.others > 0 ? " (" + std::to_string(d.others) + " more variables move with it)" : "",
                d.only_here ? " at these values, where a one-sided factor on it is at rest" : "; add a measurement or a prior");
     if (component.more_directions > 0)
       add_text(Kind::unconstrained_direction, Severity::error, {}, component.more_directions,
