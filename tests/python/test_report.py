@@ -1,0 +1,94 @@
+"""The page of benchmarks/report: its numbers are those of the lines, and it fetches nothing."""
+import importlib.util
+import json
+import math
+import pathlib
+import re
+import subprocess
+import sys
+
+import pytest
+
+SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "benchmarks" / "report" / "report.py"
+specification = importlib.util.spec_from_file_location("report", SCRIPT)
+report = importlib.util.module_from_spec(specification)
+specification.loader.exec_module(report)
+
+
+def run(file, backend, cost, seconds, **more):
+    line = {"file": f"range/{file}.pyfg", "backend": backend, "loss": "squared", "start": "odometry", "cost": cost, "iterations": 7,
+            "termination": "converged", "seconds": seconds, "ate_rmse": 0.125, "variables": 10, "threads": 1, "time_limit": 60.0,
+            "suite": "data", "commit": "abc", "machine": {"cpu": "a processor", "cores": 2}}
+    return {**line, **more}
+
+
+LINES = [run("one", "irls", 5.0, 0.11), run("one", "ceres", 5.0, 0.25), run("two", "irls", 3.0, 0.03), run("two", "ceres", 3.1, 0.01),
+         run("three", "irls", 2.0, 0.5), run("three", "ceres", None, 0.2, termination="failed")]
+
+
+def write(folder, suite, lines):
+    (folder / f"{suite}.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+
+
+def test_who_stops_above_the_best_cost_or_fails_has_not_arrived():
+    found = report.problems({"data": LINES})
+    times = [report.seconds_at_equal_cost(runs) for runs in found.values()]
+    assert times == [{"irls": 0.11, "ceres": 0.25}, {"irls": 0.03, "ceres": math.inf}, {"irls": 0.5, "ceres": math.inf}]
+
+
+def test_the_shifted_geometric_mean_by_hand():
+    # (0.11 + 0.01)(0.03 + 0.01) = 0.0048; its root less 0.01
+    assert report.shifted_geometric_mean([0.11, 0.03], 60) == pytest.approx(math.sqrt(0.0048) - 0.01, rel=1e-12)
+    assert report.shifted_geometric_mean([math.inf], 60) == pytest.approx(60, rel=1e-12)
+
+
+def test_the_ranking_counts_failures_as_the_limit_of_time():
+    rows = report.ranking(report.problems({"data": LINES}))
+    assert [(row[0], row[2], row[3], row[4]) for row in rows] == [("irls", 3, 3, 3), ("ceres", 1, 3, 0)]
+    assert rows[1][1] == pytest.approx((0.26 * 60.01 * 60.01) ** (1 / 3) - 0.01, rel=1e-12)
+
+
+def test_a_profile_reaches_one_only_where_all_arrived():
+    points = report.profile(report.problems({"data": LINES}), report.seconds_at_equal_cost)
+    assert points["irls"] == ([1, 1, 1], [1 / 3, 2 / 3, 1])
+    assert points["ceres"] == ([0.25 / 0.11], [1 / 3])
+
+
+def test_walks_of_growing_size_are_a_line_a_back_end_and_space():
+    pytest.importorskip("plotly")
+    walks = [{**run("", "irls", 1.0, seconds), "file": f"walk{space}d-{poses}", "variables": poses}
+             for space in (2, 3) for poses, seconds in ((3000, 0.3), (1000, 0.1))]
+    drawn = report.growth(report.problems({"pose-graph": walks}))
+    assert drawn.count('"name":"irls 2d"') == 1 and drawn.count('"name":"irls 3d"') == 1
+    assert drawn.index("1000") < drawn.index("3000")  # by size
+    assert report.growth(report.problems({"data": LINES})) == ""
+
+
+def test_only_the_newest_commit_counts_and_torn_lines_are_named(tmp_path):
+    write(tmp_path, "data", [run("old", "irls", 1.0, 1.0, commit="before")] + LINES)
+    with open(tmp_path / "data.jsonl", "a", encoding="utf-8") as file:
+        file.write('{"file": "torn')
+    suites, torn = report.read(tmp_path)
+    assert suites == {"data": LINES} and torn == ["data.jsonl:8"]
+
+
+def test_the_page_holds_the_numbers_and_fetches_nothing(tmp_path):
+    pytest.importorskip("plotly")
+    write(tmp_path, "data", LINES)
+    write(tmp_path, "papers-a", [{"suite": "papers-a", "table": "Table <I>", "column": "1 %", "row": "KF", "seed": seed, "error": error,
+                                  "commit": "abc", "machine": {"cpu": "a processor", "cores": 2}} for seed, error in ((1, 6.5), (2, 7.5))])
+    done = subprocess.run([sys.executable, str(SCRIPT), str(tmp_path)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert len(page) < 15e6
+    body = page[page.index("<body>"):]
+    for cell in ("<td>3.1</td>", "<td>0.11</td>", "<td>3.3e-02</td>", "<td>∞</td>", "<td>failed</td>", "<td>3 of 3</td>", "<td>7</td>"):
+        assert cell in body
+    assert "Table &lt;I&gt;" in body and "Table <I>" not in body
+    head = page[:page.index("<script>")]
+    assert not re.search(r"(src|href)=['\"]?https?:", head + re.sub(r"<script.*?</script>", "", body, flags=re.S))
+
+
+def test_a_folder_without_results_is_refused_with_a_cure(tmp_path):
+    done = subprocess.run([sys.executable, str(SCRIPT), str(tmp_path)], capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and "run scripts/bench first" in done.stderr
