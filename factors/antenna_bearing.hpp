@@ -15,6 +15,14 @@
 
 namespace holdfast {
 
+namespace detail {
+template <class F>
+constexpr auto antenna_bearing_fields() {
+  return std::tuple(field("direction", &F::direction), field("kappa", &F::kappa), field("lever_a", &F::lever_a),
+                    field("lever_b", &F::lever_b));
+}
+}  // namespace detail
+
 template <class A, class B>
 struct AntennaBearing {
   static constexpr int residual_dim = space_dim<A>;
@@ -26,10 +34,7 @@ struct AntennaBearing {
 
   using Variables = variables<A, B>;
   static const char* name() { return "AntennaBearing"; }
-  static constexpr auto fields() {
-    return std::tuple(field("direction", &AntennaBearing::direction), field("kappa", &AntennaBearing::kappa),
-                      field("lever_a", &AntennaBearing::lever_a), field("lever_b", &AntennaBearing::lever_b));
-  }
+  static constexpr auto fields() { return detail::antenna_bearing_fields<AntennaBearing>(); }
 
   Direction operator()(const A& a, const B& b, Jacobians<AntennaBearing>* J = nullptr) const {
     constexpr int N = residual_dim;
@@ -69,10 +74,7 @@ struct AntennaBearingBody {
 
   using Variables = variables<P, B>;
   static const char* name() { return "AntennaBearingBody"; }
-  static constexpr auto fields() {
-    return std::tuple(field("direction", &AntennaBearingBody::direction), field("kappa", &AntennaBearingBody::kappa),
-                      field("lever_a", &AntennaBearingBody::lever_a), field("lever_b", &AntennaBearingBody::lever_b));
-  }
+  static constexpr auto fields() { return detail::antenna_bearing_fields<AntennaBearingBody>(); }
 
   Direction operator()(const P& a, const B& b, Jacobians<AntennaBearingBody>* J = nullptr) const {
     constexpr int N = residual_dim;

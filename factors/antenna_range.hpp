@@ -21,6 +21,15 @@
 
 namespace holdfast {
 
+namespace detail {
+/// Of every range between two antennas with known lever arms.
+template <class F>
+constexpr auto antenna_range_fields() {
+  return std::tuple(field("distance", &F::distance), field("sigma", &F::sigma), field("lever_a", &F::lever_a),
+                    field("lever_b", &F::lever_b));
+}
+}  // namespace detail
+
 template <class A, class B>
 struct AntennaRange {
   using Lever = Vector<space_dim<A>>;
@@ -32,10 +41,7 @@ struct AntennaRange {
   using Variables = variables<A, B>;
   static constexpr int residual_dim = 1;
   static const char* name() { return "AntennaRange"; }
-  static constexpr auto fields() {
-    return std::tuple(field("distance", &AntennaRange::distance), field("sigma", &AntennaRange::sigma),
-                      field("lever_a", &AntennaRange::lever_a), field("lever_b", &AntennaRange::lever_b));
-  }
+  static constexpr auto fields() { return detail::antenna_range_fields<AntennaRange>(); }
 
   Vector<1> operator()(const A& a, const B& b, Jacobians<AntennaRange>* J = nullptr) const {
     Matrix<1, Variables::total_dim> D;
@@ -64,10 +70,7 @@ struct AntennaRangeWithBias {
   using Variables = variables<A, B, Scalar>;
   static constexpr int residual_dim = 1;
   static const char* name() { return "AntennaRangeWithBias"; }
-  static constexpr auto fields() {
-    return std::tuple(field("distance", &AntennaRangeWithBias::distance), field("sigma", &AntennaRangeWithBias::sigma),
-                      field("lever_a", &AntennaRangeWithBias::lever_a), field("lever_b", &AntennaRangeWithBias::lever_b));
-  }
+  static constexpr auto fields() { return detail::antenna_range_fields<AntennaRangeWithBias>(); }
 
   Vector<1> operator()(const A& a, const B& b, const Scalar& bias, Jacobians<AntennaRangeWithBias>* J = nullptr) const {
     Matrix<1, A::dim + B::dim> D;
@@ -91,10 +94,7 @@ struct AntennaRangeWithDelays {
   using Variables = variables<A, B, Scalar, Scalar>;
   static constexpr int residual_dim = 1;
   static const char* name() { return "AntennaRangeWithDelays"; }
-  static constexpr auto fields() {
-    return std::tuple(field("distance", &AntennaRangeWithDelays::distance), field("sigma", &AntennaRangeWithDelays::sigma),
-                      field("lever_a", &AntennaRangeWithDelays::lever_a), field("lever_b", &AntennaRangeWithDelays::lever_b));
-  }
+  static constexpr auto fields() { return detail::antenna_range_fields<AntennaRangeWithDelays>(); }
 
   Vector<1> operator()(const A& a, const B& b, const Scalar& delay_a, const Scalar& delay_b,
                        Jacobians<AntennaRangeWithDelays>* J = nullptr) const {
@@ -119,10 +119,7 @@ struct AntennaRangeWithScale {
   using Variables = variables<A, B, Scalar>;
   static constexpr int residual_dim = 1;
   static const char* name() { return "AntennaRangeWithScale"; }
-  static constexpr auto fields() {
-    return std::tuple(field("distance", &AntennaRangeWithScale::distance), field("sigma", &AntennaRangeWithScale::sigma),
-                      field("lever_a", &AntennaRangeWithScale::lever_a), field("lever_b", &AntennaRangeWithScale::lever_b));
-  }
+  static constexpr auto fields() { return detail::antenna_range_fields<AntennaRangeWithScale>(); }
 
   Vector<1> operator()(const A& a, const B& b, const Scalar& scale, Jacobians<AntennaRangeWithScale>* J = nullptr) const {
     Matrix<1, A::dim + B::dim> D;
@@ -146,10 +143,7 @@ struct AntennaRangeWithBiasAndScale {
   using Variables = variables<A, B, Scalar, Scalar>;
   static constexpr int residual_dim = 1;
   static const char* name() { return "AntennaRangeWithBiasAndScale"; }
-  static constexpr auto fields() {
-    return std::tuple(field("distance", &AntennaRangeWithBiasAndScale::distance), field("sigma", &AntennaRangeWithBiasAndScale::sigma),
-                      field("lever_a", &AntennaRangeWithBiasAndScale::lever_a), field("lever_b", &AntennaRangeWithBiasAndScale::lever_b));
-  }
+  static constexpr auto fields() { return detail::antenna_range_fields<AntennaRangeWithBiasAndScale>(); }
 
   Vector<1> operator()(const A& a, const B& b, const Scalar& bias, const Scalar& scale,
                        Jacobians<AntennaRangeWithBiasAndScale>* J = nullptr) const {
