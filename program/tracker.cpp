@@ -32,7 +32,7 @@ void Tracker::line(std::uint64_t number, std::string_view text, const std::strin
     if (time > now_) advance(time);
     line_number_ = number;
     line_text_ = text;
-    if (!take(edge)) waiting_.push_back({number, time, std::string(text)});
+    if (!take(edge)) waiting_.push_back({number, time, std::string(text), edge});
   }
 }
 
@@ -293,8 +293,7 @@ void Tracker::seek() {
   constexpr std::size_t kMost = 400;
   std::map<Key, bool> grown;
   for (const Waiting& one : waiting_) {
-    const Dataset dataset = parse_line(one.number, one.text, "");
-    const auto* range = std::get_if<RangeEdge>(&dataset.edges.front().measurement);
+    const auto* range = std::get_if<RangeEdge>(&one.edge.measurement);
     if (range == nullptr || has(range->first) == has(range->second)) continue;
     const Key from = has(range->first) ? range->first : range->second, to = from == range->first ? range->second : range->first;
     if (!is_sought(to, range->distance)) continue;
@@ -374,10 +373,9 @@ void Tracker::retry() {
   seek();
   std::deque<Waiting> waiting = std::exchange(waiting_, {});
   for (Waiting& one : waiting) {
-    const Dataset dataset = parse_line(one.number, one.text, "");
     line_number_ = one.number;
     line_text_ = one.text;
-    if (take(dataset.edges.front())) continue;
+    if (take(one.edge)) continue;
     if (now_ - one.time < options_.window.lag) {
       waiting_.push_back(std::move(one));
       continue;
@@ -462,7 +460,9 @@ void Tracker::restore(const std::string& path) {
   for (std::size_t count = note.get_count(1); count > 0; --count) {
     const auto number = note.get<std::uint64_t>();
     const auto time = note.get<double>();
-    waiting_.push_back({number, time, note.get_text()});
+    std::string text = note.get_text();
+    Edge edge = parse_line(number, text, path).edges.front();
+    waiting_.push_back({number, time, std::move(text), std::move(edge)});
   }
   printed_.clear();
   for (std::size_t count = note.get_count(1); count > 0; --count) {

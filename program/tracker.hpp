@@ -78,9 +78,10 @@ class Tracker {
 
  private:
   struct Waiting {
-    std::uint64_t number;
+    std::uint64_t number;  ///< of its line
     double time;
     std::string text;
+    Edge edge;  ///< what the line says: asked again at every step
   };
   /// A measurement between two variables that is or may come into the window.
   struct Heard {
