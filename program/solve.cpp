@@ -47,8 +47,7 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
       ->check(CLI::Range(1e-12, 0.5));
   command->add_flag("--pcm", arguments.pcm,
                     "leave out loop closures that disagree with most others before solving (pairwise consistency, maximum clique); under a "
-                    "redescending loss "
-                    "the graph is solved without the filter, too, and the lower cost over all loops is the answer");
+                    "redescending loss the graph is solved without the filter, too, and the lower cost over all loops is the answer");
   command->add_flag("--certify", arguments.certify,
                     "lower bound, gap and verdict for each answer: is it the global minimum? (squared pose graphs; loose for ranges)");
   command->add_flag("--second-order,!--no-second-order", arguments.second_order,
