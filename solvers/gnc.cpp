@@ -150,6 +150,7 @@ class Gnc::Run {
     if (attempt() && cost_ < cost * kLower) {
       summary().cost = std::min(summary().cost, cost_);
       summary().gradient_norm = max_norm(gradient(graph_, x_).value);
+      is_over();  // reports it
       return true;
     }
     x_.assign(before);
@@ -160,16 +161,9 @@ class Gnc::Run {
 
   /// Whether second chances end here, by the callback or the time limit; the answer is the best so far.
   bool is_over() {
-    if (is_over_) return true;
-    const Options& options = gnc_.options;
-    const Iteration iteration{summary().iterations, summary().cost, summary().gradient_norm, progress.watch.seconds()};
-    if (options.progress && !options.progress(iteration))
-      progress.end(Termination::stopped, "the progress callback asked to stop");
-    else if (iteration.seconds > options.time_limit)
-      progress.end(Termination::time_limit, "time_limit reached");
-    else
-      return false;
-    return is_over_ = true;
+    ++summary().iterations;
+    is_over_ = is_over_ || !progress.try_on(summary().gradient_norm);
+    return is_over_;
   }
 
   bool try_settle() {

@@ -21,10 +21,15 @@ bool Progress::report(double gradient_norm) {
 }
 
 bool Progress::go_on(double gradient_norm) {
+  if (!try_on(gradient_norm)) return false;
+  if (summary.iterations < max_iterations_) return true;
+  end(Termination::iteration_limit, "max_iterations reached");
+  return false;
+}
+
+bool Progress::try_on(double gradient_norm) {
   if (!report(gradient_norm)) {
     end(Termination::stopped, "the progress callback asked to stop");
-  } else if (summary.iterations >= max_iterations_) {
-    end(Termination::iteration_limit, "max_iterations reached");
   } else if (watch.seconds() > options_.time_limit) {
     end(Termination::time_limit, "time_limit reached");
   } else {

@@ -21,6 +21,8 @@ class Progress {
   bool begin(double cost, const Graph& graph, const Resolved& resolved, const Values& values);
   /// After each iteration; false when a limit or the callback ends the solve.
   bool go_on(double gradient_norm);
+  /// The same for attempts at a better answer after the end, which have a limit of their own: max_iterations does not count.
+  bool try_on(double gradient_norm);
   /// The stopping rules, on the best values so far.
   bool gradient_is_flat(double gradient_norm);
   bool decrease_is_small(double cost_before, double cost);
