@@ -3,6 +3,7 @@
 #include <holdfast/solvers/marginals.hpp>
 #include <holdfast/solvers/outlier_report.hpp>
 #include <holdfast/solvers/table.hpp>
+#include <set>
 
 #include "bind.hpp"
 
@@ -16,8 +17,30 @@ Eigen::MatrixXd square(const std::vector<double>& numbers) {
   return Square(numbers.data(), n, n);
 }
 
+/// Back-ends and values that some thread solves with: asked for and changed under the GIL alone.
+std::set<const void*>& busy() {
+  static std::set<const void*> all;
+  return all;
+}
+
+/// Holds one of them for as long as it lives; BadProblem where another thread has it.
+class Held {
+ public:
+  Held(const void* what, const char* name) : what_(what) {
+    if (!busy().insert(what).second) fail<BadProblem>("another thread is solving with this ", name, "; give each thread its own");
+  }
+  Held(const Held&) = delete;
+  Held& operator=(const Held&) = delete;
+  ~Held() { busy().erase(what_); }
+
+ private:
+  const void* what_;
+};
+
 /// Lets other Python threads run, and Ctrl-C stop it: KeyboardInterrupt, the values as they were.
 Summary solve(Backend& backend, const Graph& graph, Values& values) {
+  const Held held_backend(&backend, "back-end");
+  const Held held_values(&values, "Values");
   const auto asked = backend.options.progress;
   struct Restore {
     Backend& backend;
@@ -52,7 +75,12 @@ void bind_solvers(nb::module_& m) {
       .def_ro("iterations", &Summary::iterations)
       .def_ro("seconds", &Summary::seconds)
       .def("__repr__", &Summary::str);
-  nb::class_<Backend>(m, "Backend").def_prop_ro("name", &Backend::name).def("solve", &solve, "graph"_a, "values"_a);
+  nb::class_<Backend>(m, "Backend")
+      .def_prop_ro("name", &Backend::name)
+      .def("solve", &solve, "graph"_a, "values"_a,
+           "values: start in, answer out; as they were where it "
+           "fails. Other threads run meanwhile: they may read the "
+           "graph, and must change neither graph nor values");
   m.def("backend_names", &backend_names);
   m.def(
       "make_backend",

@@ -11,7 +11,7 @@ A key is a Key, or its text: "A11", "r1234:7".
 """
 from . import _core
 from ._core import *  # noqa: F401,F403
-from ._core import Graph
+from ._core import Graph, Key, Loss
 
 
 class Template:
@@ -44,21 +44,37 @@ def _types_of(name, types):
     return tuple(types[:1]) if of_one_type else tuple(types)
 
 
+def _key(key):
+    """Of a Key, its text, or its bits. Converted here, so that what is wrong with a text is said."""
+    if isinstance(key, Key):
+        return key
+    return Key(key) if isinstance(key, str) else Key.from_bits(int(key))
+
+
+def _loss(loss):
+    return Loss(loss) if isinstance(loss, str) else loss
+
+
 def _add(self, factor, keys, loss=None, weight=None):
     """Adds a factor on as many keys as it has variables; without loss and weight with its own. Returns its FactorId."""
     if not hasattr(factor, "_add"):
         raise TypeError(f"{factor!r} is no factor")
-    return factor._add(self, [keys] if isinstance(keys, (str, _core.Key)) else list(keys), loss, weight)
+    return factor._add(self, [_key(k) for k in ([keys] if isinstance(keys, (str, Key)) else keys)], _loss(loss), weight)
+
+
+def _is_column(field):
+    return hasattr(field, "__len__") and not isinstance(field, str) and getattr(field, "ndim", 1) > 0
 
 
 def _add_many(self, factor_type, keys, *fields, loss=None, weight=None):
     """One factor a row of keys (n × variables: Keys, texts, or Key.bits); each field an array of n, or one number for all."""
     n = len(keys)
-    for column in fields:
-        if hasattr(column, "__len__") and len(column) != n:
+    loss = _loss(loss)
+    columns = [column if _is_column(column) else [column] * n for column in fields]
+    for column in columns:
+        if len(column) != n:
             raise ValueError(f"{n} rows of keys, and a field of {len(column)}")
-    columns = [column if hasattr(column, "__len__") else [column] * n for column in fields]
-    rows = [[k if isinstance(k, (str, _core.Key)) else _core.Key.from_bits(int(k)) for k in row] for row in keys]
+    rows = [[_key(k) for k in row] for row in keys]
     factors = [factor_type(*row) for row in zip(*columns)]
     ids = []
     try:

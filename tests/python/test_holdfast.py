@@ -205,3 +205,51 @@ def test_ctrl_c_stops_a_solve_and_values_stay():
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, old)
     assert values["A0"] == before
+
+
+def test_what_is_wrong_with_a_loss_or_a_key_is_said():
+    graph = hf.Graph()
+    factor = hf.Range[hf.Pose2, hf.Point2](distance=1, sigma=0.1)
+    with pytest.raises(hf.BadOption, match="hubber"):
+        graph.add(factor, ["A0", "L0"], loss="hubber:2")
+    with pytest.raises(hf.Error, match="key"):
+        graph.add(factor, ["A0", ""])
+    with pytest.raises(hf.BadOption, match="hubber"):
+        graph.add_many(hf.Range[hf.Pose2, hf.Point2], [["A0", "L0"]], [1.0], 0.1, loss="hubber:2")
+    assert len(graph) == 0
+
+
+def test_a_number_for_all_may_be_an_array_without_dimensions():
+    graph = hf.Graph()
+    graph.add_many(hf.Range[hf.Pose2, hf.Point2], [["A0", "L0"], ["A1", "L0"]], np.array(1.0), 0.1)
+    assert len(graph) == 2
+
+
+def test_two_threads_do_not_share_a_back_end_or_values():
+    graph, start, A = hf.Graph(), hf.Values(), hf.Agent("A")
+    n = 3000
+    for k in range(n):
+        start.insert(A(k), hf.Pose2(k, 0.1 * (k % 3), 0))
+    graph.add(hf.Prior[hf.Pose2].from_sigmas(hf.Pose2(0, 0, 0), [0.1, 0.1, 0.1]), [A(0)])
+    for k in range(1, n):
+        graph.add(hf.Between[hf.Pose2].from_sigmas(hf.Pose2(1, 0, 0), [0.1, 0.1, 0.1]), [A(k - 1), A(k)])
+    backend, shared = hf.make_backend("nesterov", max_iterations=300), hf.Values(start)
+    ended, refused = [], []
+    gate = threading.Barrier(6)
+
+    def solve(own_backend, values):
+        gate.wait()
+        try:
+            ended.append(own_backend.solve(graph, values).usable)
+        except hf.BadProblem as error:
+            refused.append(str(error))
+
+    threads = [threading.Thread(target=solve, args=(backend, hf.Values(start))) for _ in range(3)]
+    threads += [threading.Thread(target=solve, args=(hf.make_backend("irls"), shared)) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(ended) + len(refused) == 6 and all(ended) and len(ended) >= 2
+    assert refused and all("another thread is solving" in text for text in refused)
+    assert backend.solve(graph, hf.Values(start)).usable  # it is free again
