@@ -21,7 +21,7 @@ DASHES = ["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"]
 
 
 def read(folder):
-    """{suite: lines of its newest commit}, and the names of lines that are no JSON."""
+    """{suite: lines of its newest commit}, and the places of lines that are no JSON object."""
     suites, torn = {}, []
     for name in sorted(os.listdir(folder)):
         if not name.endswith(".jsonl"):
@@ -30,8 +30,12 @@ def read(folder):
         with open(os.path.join(folder, name), encoding="utf-8") as file:
             for number, text in enumerate(file, 1):
                 try:
-                    lines.append(json.loads(text))
+                    line = json.loads(text)
                 except json.JSONDecodeError:
+                    line = None
+                if isinstance(line, dict):
+                    lines.append(line)
+                else:
                     torn.append(f"{name}:{number}")
         if lines:
             suites[name[:-len(".jsonl")]] = [line for line in lines if line.get("commit") == lines[-1].get("commit")]
@@ -261,7 +265,7 @@ def page(suites, torn):
     parts = [f"<p>Machine: {html.escape('; '.join(machines))}. Commit: {html.escape(', '.join(commits))}. Drawn "
              f"{datetime.date.today().isoformat()} with plotly {plotly.__version__} from {len(lines)} lines.</p>"]
     if torn:
-        parts.append(f"<p>Lines that are no JSON and are left out: {html.escape(', '.join(torn))}.</p>")
+        parts.append(f"<p>Lines that are no JSON object and are left out: {html.escape(', '.join(torn))}.</p>")
     if found:
         parts += [who_wins(found), profiles(found), growth(found)]
     for suite, of_suite in suites.items():
@@ -292,9 +296,12 @@ def main(arguments):
         text = page(suites, torn)
     except ModuleNotFoundError as missing:
         sys.exit(f"report: {missing}; run scripts/report, which installs it, or pip install plotly")
-    with open(out + ".part", "w", encoding="utf-8") as file:
-        file.write(text)
-    os.replace(out + ".part", out)
+    try:
+        with open(out + ".part", "w", encoding="utf-8") as file:
+            file.write(text)
+        os.replace(out + ".part", out)
+    except OSError as error:
+        sys.exit(f"report: cannot write {out}: {error.strerror}; name another page as the second argument")
     print(f"report: {out}, {len(text) / 1e6:.1f} MB")
 
 

@@ -67,9 +67,9 @@ def test_walks_of_growing_size_are_a_line_a_back_end_and_space():
 def test_only_the_newest_commit_counts_and_torn_lines_are_named(tmp_path):
     write(tmp_path, "data", [run("old", "irls", 1.0, 1.0, commit="before")] + LINES)
     with open(tmp_path / "data.jsonl", "a", encoding="utf-8") as file:
-        file.write('{"file": "torn')
+        file.write('[1, 2]\n{"file": "torn')
     suites, torn = report.read(tmp_path)
-    assert suites == {"data": LINES} and torn == ["data.jsonl:8"]
+    assert suites == {"data": LINES} and torn == ["data.jsonl:8", "data.jsonl:9"]
 
 
 def test_the_page_holds_the_numbers_and_fetches_nothing(tmp_path):
@@ -92,3 +92,11 @@ def test_the_page_holds_the_numbers_and_fetches_nothing(tmp_path):
 def test_a_folder_without_results_is_refused_with_a_cure(tmp_path):
     done = subprocess.run([sys.executable, str(SCRIPT), str(tmp_path)], capture_output=True, text=True, check=False)
     assert done.returncode == 1 and "run scripts/bench first" in done.stderr
+
+
+def test_a_page_that_cannot_be_written_is_named(tmp_path):
+    pytest.importorskip("plotly")
+    write(tmp_path, "data", LINES)
+    page = tmp_path / "absent" / "page.html"
+    done = subprocess.run([sys.executable, str(SCRIPT), str(tmp_path), str(page)], capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and f"cannot write {page}" in done.stderr and "Traceback" not in done.stderr
