@@ -46,19 +46,28 @@ std::optional<PositionError> position_error(const Values& truth, const Values& e
   return PositionError{rms_of_columns(aligned - t), rms_of_columns(e - t), static_cast<std::size_t>(t.cols())};
 }
 
-RangeCount count_ranges(const Graph& graph, const Values& values) {
+RejectedCount count_rejected(const Graph& graph, const Values& values) {
   const Resolved resolved(graph, values);
-  RangeCount count;
+  RejectedCount count;
   std::vector<double> residuals;
   for (std::size_t b = 0; b < graph.batches().size(); ++b) {
     const FactorBatch& batch = *graph.batches()[b];
-    if (batch.name().rfind("Range", 0) != 0) continue;
+    const bool is_range = batch.name().rfind("Range", 0) == 0, is_judged = batch.family().kind != Loss::Kind::Squared;
+    if (!is_range && !is_judged) continue;
     const int dim = batch.residual_dim();
     residuals.resize(static_cast<std::size_t>(batch.size()) * dim);
     batch.evaluate(values, resolved.batches()[b].index.data(), 0, batch.size(), residuals.data(), nullptr);
+    std::size_t rejected = 0;
     for (int i = 0; i < batch.size(); ++i)
-      if (is_rejected(relative_weight(batch.loss(i), &residuals[static_cast<std::size_t>(i) * dim], dim))) ++count.rejected;
-    count.ranges += batch.size();
+      if (is_rejected(relative_weight(batch.loss(i), &residuals[static_cast<std::size_t>(i) * dim], dim))) ++rejected;
+    if (is_range) {
+      count.ranges += batch.size();
+      count.rejected_ranges += rejected;
+    }
+    if (is_judged) {
+      count.judged += batch.size();
+      count.rejected += rejected;
+    }
   }
   return count;
 }

@@ -20,12 +20,13 @@ struct PositionError {
 /// scenario. Keys without an estimate and those of another space than the first are left out. Nothing where none is left.
 std::optional<PositionError> position_error(const Values& truth, const Values& estimate);
 
-/// Ranges of a graph (factors whose name begins with "Range") that its losses reject at these values (is_rejected,
-/// solvers/outlier_report.hpp).
-struct RangeCount {
-  std::size_t ranges = 0;
-  std::size_t rejected = 0;
+/// How many factors a graph's losses judge, and reject at these values (is_rejected, solvers/outlier_report.hpp): those under another
+/// loss than squared, loop closures and landmarks as well as ranges; and of them the ranges (factors whose name begins with "Range";
+/// under the squared loss, too).
+struct RejectedCount {
+  std::size_t judged = 0, rejected = 0;
+  std::size_t ranges = 0, rejected_ranges = 0;
 };
-RangeCount count_ranges(const Graph& graph, const Values& values);
+RejectedCount count_rejected(const Graph& graph, const Values& values);
 
 }  // namespace holdfast::common

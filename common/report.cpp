@@ -16,15 +16,15 @@ std::string problem_of(const Json& run) {
 }
 
 std::vector<std::string> numbers_of(const Json& run) {
-  const std::string ranges =
-      run["ranges"].is_number() && run["ranges"] != 0 ? text(run["rejected_ranges"], "%.0f") + "/" + text(run["ranges"], "%.0f") : "-";
+  const bool any = run.contains("judged") && run["judged"].is_number() && run["judged"] != 0;
+  const std::string rejected = any ? text(run["rejected_factors"], "%.0f") + "/" + text(run["judged"], "%.0f") : "-";
   return {text(run["cost_first"], "%.6g"),
           text(run["cost"], "%.8g"),
           text(run["iterations"], "%.0f"),
           text(run["seconds"], "%.4f"),
           text(run["ate_rmse"], "%.3f"),
           text(run["rmse"], "%.3f"),
-          ranges};
+          rejected};
 }
 
 std::string end_of(const Json& run) {
@@ -85,6 +85,8 @@ void print_suite(std::ostream& out, const std::vector<Json>& runs) {
   table.print(out);
 }
 
+bool differs(double cost, double best) { return cost - best > kSameCost * std::abs(best) + kNothing; }
+
 void print_differences(std::ostream& out, const std::vector<Json>& runs) {
   std::vector<std::string> order;
   std::map<std::string, std::vector<const Json*>> problems;
@@ -100,13 +102,15 @@ void print_differences(std::ostream& out, const std::vector<Json>& runs) {
     const Json* best = *std::min_element(group.begin(), group.end(), [&](const Json* a, const Json* b) { return cost(a) < cost(b); });
     std::string higher;
     for (const Json* run : group) {
+      if (!differs(cost(run), cost(best))) continue;
       const double difference = cost(run) - cost(best);
-      if (!(difference > kSameCost * std::abs(cost(best)) + kNothing)) continue;
-      const bool converged = (*run)["termination"] == "converged";
+      std::string why = (*run)["termination"] == "converged" ? "another minimum, or a flat valley" : "not there yet";
+      if (run->contains("ends")) why = (*run)["ends"].get<std::string>();
+      // Relative to a cost of next to nothing no number says anything.
+      const bool is_relative = std::abs(cost(best)) > kNothing;
       higher += (higher.empty() ? " " : "; ") + (*run)["backend"].get<std::string>() + " " +
-                text(difference / std::abs(cost(best)), "%+.2g") +
-                (converged ? " (converged: another minimum, or a flat valley)"
-                           : " (" + (*run)["termination"].get<std::string>() + ": not there yet)");
+                text(is_relative ? difference / std::abs(cost(best)) : difference, "%+.2g") + (is_relative ? "" : " in all") + " (" +
+                (*run)["termination"].get<std::string>() + ": " + why + ")";
     }
     if (!higher.empty())
       out << "different ends: " << problem << ": lowest cost " << text((*best)["cost"], "%.8g") << " ("

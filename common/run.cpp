@@ -32,7 +32,7 @@ Run run_task(const Task& task, const Instance& instance, Values& answer) {
   run.seconds = {run.summary.seconds};
   if (run.summary.usable()) {
     run.error = position_error(instance.truth, answer);
-    run.ranges = count_ranges(instance.graph, answer);
+    run.rejected = count_rejected(instance.graph, answer);
   }
   return run;
 }
@@ -73,8 +73,10 @@ Json to_json(const Run& run) {
   json["repetitions"] = run.seconds.size();
   json["ate_rmse"] = run.error ? number(run.error->ate_rmse) : Json(nullptr);
   json["rmse"] = run.error ? number(run.error->rmse) : Json(nullptr);
-  json["rejected_ranges"] = s.usable() ? Json(run.ranges.rejected) : Json(nullptr);
-  json["ranges"] = s.usable() ? Json(run.ranges.ranges) : Json(nullptr);
+  json["rejected_ranges"] = s.usable() ? Json(run.rejected.rejected_ranges) : Json(nullptr);
+  json["ranges"] = s.usable() ? Json(run.rejected.ranges) : Json(nullptr);
+  json["rejected_factors"] = s.usable() ? Json(run.rejected.rejected) : Json(nullptr);
+  json["judged"] = s.usable() ? Json(run.rejected.judged) : Json(nullptr);
   json["variables"] = run.variables;
   json["factors"] = run.factors;
   json["seed"] = task.seed;

@@ -23,7 +23,7 @@ struct Run {
   Summary summary;
   std::vector<double> seconds;  ///< of each repetition
   std::optional<PositionError> error;
-  RangeCount ranges;
+  RejectedCount rejected;
   std::size_t variables = 0;
   std::size_t factors = 0;
 };

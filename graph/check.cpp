@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <holdfast/graph/check.hpp>
+#include <holdfast/graph/mirror.hpp>
 #include <holdfast/graph/observability.hpp>
 #include <map>
 #include <set>
@@ -25,12 +26,17 @@ class Doctor {
     if (resolved.tangent_dim() == 0)
       add(Kind::nothing_free, Severity::error, "every variable that a factor touches is fixed; unfix what is to be estimated", {});
     const bool residuals_are_good = numbers_are_good && check_residuals(resolved);
-    if (residuals_are_good && resolved.tangent_dim() > 0) check_observability(resolved);
+    if (residuals_are_good && resolved.tangent_dim() > 0) {
+      if (Finding stuck = zero_distance(graph_, values_); !stuck.keys.empty()) findings_.push_back(std::move(stuck));
+      check_observability(resolved);
+      check_mirror_images();
+    }
     return std::move(findings_);
   }
 
  private:
   static constexpr double kMostInSquare = 1e100;  // leaves its square room for weights
+  static constexpr std::size_t kMostNames = 6;
 
   template <class... Parts>
   void add_text(Kind kind, Severity severity, std::vector<Key> keys, const Parts&... parts) {
@@ -138,23 +144,49 @@ class Doctor {
     add_text(Kind::free_gauge, Severity::error, {first}, who, " can move together at no cost (", motions.str(), "); add a prior on ", first,
              " or fix it");
   }
-  /// "heading" where the variable is a pose in the plane.
+  /// "heading", "velocity x", …: the entry of the tangent in the field's words where the variable is one of ours.
   std::string name_of(const GraphComponent::Direction& d) const {
-    const PoolBase& pool = values_.pool(values_.slot(d.key).pool);
-    const std::string type = pool.type_name(), axis = d.component < 6 ? std::string(1, "xyzxyz"[d.component]) : "";
-    if (type == "Point2" || type == "Point3") return "position " + axis;
-    if (type == "Pose2" && d.component == 2) return "heading";
-    if (type == "Pose3" && d.component >= 3) return "rotation " + axis;
-    return "tangent direction " + std::to_string(d.component);
+    static const std::map<std::string, std::pair<std::vector<std::string>, bool>> known{
+        // by axis (true): what is interleaved axis by axis; else the entries themselves
+        {"Point2", {{"position"}, true}},
+        {"Point3", {{"position"}, true}},
+        {"Motion2", {{"position", "velocity"}, true}},
+        {"Motion3", {{"position", "velocity"}, true}},
+        {"Accel2", {{"position", "velocity", "acceleration"}, true}},
+        {"Accel3", {{"position", "velocity", "acceleration"}, true}},
+        {"Pose2", {{"position x", "position y", "heading"}, false}},
+        {"Pose3", {{"position x", "position y", "position z", "rotation x", "rotation y", "rotation z"}, false}},
+        {"Turning2", {{"position x", "velocity x", "position y", "velocity y", "turn rate"}, false}},
+    };
+    const auto it = known.find(values_.pool(values_.slot(d.key).pool).type_name());
+    if (it == known.end()) return "tangent direction " + std::to_string(d.component);
+    const auto& [names, by_axis] = it->second;
+    const int n = static_cast<int>(names.size());
+    return by_axis ? names[d.component % n] + ' ' + "xyz"[d.component / n] : names[d.component];
   }
   void report_directions(const GraphComponent& component) {
     for (const GraphComponent::Direction& d : component.directions)
       add_text(Kind::unconstrained_direction, d.only_here ? Severity::warning : Severity::error, {d.key}, d.key, ": ", name_of(d),
                " is not constrained by any factor", d.others > 0 ? " (" + std::to_string(d.others) + " more variables move with it)" : "",
-               d.only_here ? " at these values, where a one-sided factor on it is at rest" : "; add a measurement or a prior");
+               d.only_here ? " at these values, where a factor on it has no derivative (a one-sided one at rest, a range at zero distance)"
+                           : "; add a measurement or a prior");
     if (component.more_directions > 0)
       add_text(Kind::unconstrained_direction, Severity::error, {}, component.more_directions,
                " or more further directions are not constrained");
+  }
+
+  void check_mirror_images() {
+    for (const MirrorImage& image : mirror_images(graph_, values_))
+      add_text(Kind::mirror_image, Severity::warning, image.points, names_of(image.points), image.points.size() > 1 ? " fit" : " fits",
+               " as well on the other side of the ", image.normal.size() == 3 ? "plane" : "line", " of ", names_of(image.anchors),
+               ": nothing measured says which side is true; add a prior, a bearing or an anchor off the ",
+               image.normal.size() == 3 ? "plane" : "line", ", or look at both (mirrored(), solve --mirror)");
+  }
+  static std::string names_of(const std::vector<Key>& keys) {
+    std::string names;
+    for (std::size_t i = 0; i < std::min(keys.size(), kMostNames); ++i) names += (i > 0 ? ", " : "") + keys[i].str();
+    if (keys.size() > kMostNames) names += " and " + std::to_string(keys.size() - kMostNames) + " more";
+    return names;
   }
 
   const Graph& graph_;
@@ -165,6 +197,61 @@ class Doctor {
 }  // namespace
 
 std::vector<Finding> check(const Graph& graph, const Values& values) { return Doctor(graph, values).examine(); }
+
+Finding zero_distance(const Graph& graph, const Values& values) {
+  constexpr std::size_t kMostNamed = 5;
+  const Resolved resolved(graph, values);
+  std::vector<std::string> names;
+  std::set<Key> keys;
+  for (std::size_t b = 0; b < graph.batches().size(); ++b) {
+    const FactorBatch& batch = *graph.batches()[b];
+    if (batch.is_linear()) continue;
+    Eigen::VectorXd r(batch.residual_dim());
+    Eigen::MatrixXd J(batch.residual_dim(), batch.total_dim());
+    for (int i = 0; i < batch.size(); ++i) {
+      batch.evaluate(values, resolved.batches()[b].index.data(), i, i + 1, r.data(), J.data());
+      if (r.isZero(0) || !J.isZero(0)) continue;
+      names.push_back(batch.describe(i));
+      keys.insert(batch.keys(i), batch.keys(i) + batch.arity());
+    }
+  }
+  std::ostringstream text;
+  text << names.size() << (names.size() == 1 ? " factor stands" : " factors stand")
+       << " at zero distance, where a residual has no derivative: ";
+  for (std::size_t i = 0; i < std::min(names.size(), kMostNamed); ++i) text << (i > 0 ? ", " : "") << names[i];
+  if (names.size() > kMostNamed) text << " and " << names.size() - kMostNamed << " more";
+  text << "; the cost falls in every direction, and which one is taken is chance: give these variables a start apart (odometry, convex)";
+  return {Kind::zero_distance, Severity::warning, text.str(), {keys.begin(), keys.end()}};
+}
+
+std::vector<Finding> merged(const std::vector<Finding>& findings) {
+  constexpr std::size_t kMostAlone = 3, kMostNamed = 8;
+  std::map<std::pair<Kind, Severity>, std::vector<const Finding*>> alike;
+  for (const Finding& one : findings) alike[{one.kind, one.severity}].push_back(&one);
+  std::vector<Finding> result;
+  for (const Finding& one : findings) {
+    const auto& group = alike[{one.kind, one.severity}];
+    if (group.size() <= kMostAlone) {
+      result.push_back(one);
+      continue;
+    }
+    if (group.front() != &one) continue;
+    Finding first = one;
+    std::string others;
+    std::size_t named = 0;
+    std::set<Key> seen(one.keys.begin(), one.keys.end());
+    for (const Finding* more : group)
+      for (const Key key : more->keys) {
+        if (!seen.insert(key).second) continue;
+        first.keys.push_back(key);
+        if (++named <= kMostNamed) others += (named > 1 ? ", " : "") + key.str();
+      }
+    if (named > kMostNamed) others += " and " + std::to_string(named - kMostNamed) + " more";
+    first.text += "; and the same " + std::to_string(group.size() - 1) + " times more" + (others.empty() ? "" : ": " + others);
+    result.push_back(std::move(first));
+  }
+  return result;
+}
 
 bool has_errors(const std::vector<Finding>& findings) {
   return std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.severity == Severity::error; });
@@ -181,6 +268,8 @@ const char* to_string(Finding::Kind kind) {
                                       "unconstrained direction",
                                       "disconnected",
                                       "free gauge",
+                                      "zero distance",
+                                      "mirror image",
                                       "fixed is unknown",
                                       "bad time",
                                       "repaired noise",

@@ -19,6 +19,8 @@ struct Finding {
     unconstrained_direction,
     disconnected,
     free_gauge,
+    zero_distance,  ///< factors with a residual and no derivative: ranges between variables that stand on one spot
+    mirror_image,   ///< points that fit as well on the other side of a plane or line (mirror.hpp)
     // of a file (adapters/files/report.hpp)
     unknown_fixed,   ///< FIX names no vertex
     bad_time,        ///< two poses of an agent at one time, or in decreasing time
@@ -36,6 +38,13 @@ struct Finding {
 
 /// Looks at everything; throws nothing for bad input. Empty: all is well.
 std::vector<Finding> check(const Graph& graph, const Values& values);
+
+/// The factors that have a residual and yet no derivative at these values, as one finding; no keys where there is none. A range between two
+/// variables on one spot is such a one: the cost falls in every direction, and no gradient says in which. Throws BadKey, BadType.
+Finding zero_distance(const Graph& graph, const Values& values);
+
+/// Findings that say the same of many keys as one: of each kind and severity beyond three, the first with the keys of the others behind it.
+std::vector<Finding> merged(const std::vector<Finding>& findings);
 
 /// True if some finding is an error.
 bool has_errors(const std::vector<Finding>& findings);

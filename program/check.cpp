@@ -20,7 +20,7 @@ int check_file(const CheckArguments& arguments, Terminal& terminal) {
   for (Finding& finding : check(problem.instance.graph, problem.instance.start)) findings.push_back(std::move(finding));
   terminal.out << "read: " << problem.used << '\n';
   if (!problem.unknown.empty()) terminal.out << "warning: unknown tag: " << problem.unknown << '\n';
-  for (const Finding& finding : findings)
+  for (const Finding& finding : merged(findings))
     terminal.out << (finding.severity == Finding::Severity::error ? "error: " : "warning: ") << to_string(finding.kind) << ": "
                  << finding.text << '\n';
   if (findings.empty() && problem.unknown.empty())

@@ -53,6 +53,8 @@ struct SolveArguments {
   bool pcm = false;
   bool certify = false;
   bool second_order = true;
+  bool check = true;
+  bool mirror = false;
 };
 CLI::App* add_solve(CLI::App& app, SolveArguments& arguments);
 int solve(const SolveArguments& arguments, Terminal& terminal);

@@ -5,11 +5,12 @@
 #include <holdfast/common/report.hpp>
 #include <holdfast/graph/files/atomic.hpp>
 #include <holdfast/graph/files/tum.hpp>
+#include <holdfast/program/loop_filter.hpp>
 #include <holdfast/program/program.hpp>
 #include <holdfast/program/rejected.hpp>
+#include <holdfast/program/second_look.hpp>
 #include <holdfast/solvers/certificate.hpp>
-#include <holdfast/solvers/pairwise_consistency.hpp>
-#include <holdfast/solvers/second_order.hpp>
+#include <holdfast/solvers/detail/clock.hpp>
 #include <holdfast/solvers/table.hpp>
 #include <limits>
 #include <optional>
@@ -53,6 +54,11 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
   command->add_flag("--second-order,!--no-second-order", arguments.second_order,
                     "look whether an answer is a minimum, leave it where it is a saddle, and solve again (on; where there are ranges, "
                     "bearings, landmarks or positions)");
+  command->add_flag("--check,!--no-check", arguments.check,
+                    "say what the problem leaves open at the best answer, as holdfast check does (on)");
+  command->add_flag("--mirror", arguments.mirror,
+                    "where the mirror image of points fits as well (anchors in one plane or on one line), solve there, too; with --output "
+                    "FILE.g2o into FILE-mirror-1.g2o, …");
   command->add_option(
       "--output", arguments.output,
       "write the file with the answer as its vertices (of several back-ends the one of the lowest cost); the name's ending says "
@@ -96,6 +102,7 @@ Plan plan_of(const SolveArguments& arguments) {
   plan.options.max_iterations = arguments.max_iterations;
   plan.options.cost_tolerance = arguments.tolerance;
   if (arguments.time_limit != 0) plan.options.time_limit = arguments.time_limit;
+  plan.options.second_order = arguments.second_order;
   plan.options.validate();
   const fs::path json = arguments.json;
   if (!json.empty() && fs::is_directory(json)) fail<BadOption>("--json ", arguments.json, " is a directory; name a file");
@@ -138,10 +145,9 @@ class Solver {
     try {
       bar_.begin("reading " + file);
       FileProblem problem = load(file, plan_.problem, read_options(arguments_.reading));
-      pcm_.clear();
-      whole_.reset();
+      filter_ = LoopFilter();
       if (plan_.alpha) set_thresholds(problem.instance.graph, *plan_.alpha);
-      if (arguments_.pcm) leave_out_inconsistent(problem.instance.graph);
+      if (arguments_.pcm) filter_.leave_out(problem.instance.graph, !plan_.problem.loss.is_convex());
       solve_file(file, stem, problem);
     } catch (const std::exception& error) {  // a bad file does not stop the others
       bar_.clear();
@@ -152,119 +158,83 @@ class Solver {
 
   void solve_file(const std::string& file, const std::string& stem, const FileProblem& problem) {
     if (!problem.unknown.empty()) terminal_.err << "holdfast: warning: " << problem.unknown << '\n';
-    for (const Finding& finding : problem.findings) terminal_.err << "holdfast: warning: " << finding.text << '\n';
+    for (const Finding& finding : merged(problem.findings)) terminal_.err << "holdfast: warning: " << finding.text << '\n';
     log(file + ": " + std::to_string(problem.instance.start.size()) + " variables, " + std::to_string(problem.instance.graph.size()) +
         " factors");
+    if (arguments_.check)
+      if (const Finding stuck = zero_distance(problem.instance.graph, problem.instance.start); !stuck.keys.empty())
+        terminal_.err << "holdfast: warning: at the start: " << stuck.text << '\n';
     std::vector<Json> runs;
-    certificates_.clear();
-    Values best;
-    double least = std::numeric_limits<double>::infinity();
-    rejected_.clear();
-    saddles_.clear();
+    std::vector<Values> answers;
+    remarks_.clear();
+    std::optional<std::size_t> best;
+    const Graph* best_graph = nullptr;
     for (const std::string& backend : plan_.backends) {
       bar_.begin(file + " " + backend);
       Task task{file, plan_.problem.loss.str(), arguments_.start, backend, arguments_.seed, plan_.options};
       task.options.progress = bar_.callback();
       Values answer;
       Run run = run_task(task, problem.instance, answer);
-      const bool all_loops = pcm_harms(task, problem.instance, run, answer);
-      const Graph& solved = all_loops ? *whole_ : problem.instance.graph;
-      const SecondOrder end = leave_saddles(solved, problem.instance.truth, run, answer);
+      const Graph* const whole = filter_.whole_if_better(task, problem.instance, run, answer);
+      const Graph& solved = whole != nullptr ? *whole : problem.instance.graph;
       log(file + " " + backend + ": " + run.summary.str());
       if (!run.summary.usable()) all_is_well_ = false;
       runs.push_back(to_json(run));
-      note_second_order(end, runs.back());
-      if (arguments_.pcm) runs.back()["pcm_rejected"] = all_loops ? 0 : rejected_loops_;
+      remark(note_second_order(run.summary, runs.back()));
+      if (arguments_.pcm) runs.back()["pcm_rejected"] = whole != nullptr ? 0 : filter_.rejected();
       if (run.summary.usable()) {
         const std::string rejected = rejected_list(solved, answer, runs.back());
-        if (arguments_.gnc && !rejected.empty()) rejected_.push_back(rejected);
+        if (arguments_.gnc) remark(rejected);
       }
       if (arguments_.certify && run.summary.usable()) certify_answer(solved, answer, runs.back());
       bar_.done_with_one();
-      if (run.summary.usable() && run.summary.cost < least && !arguments_.output.empty()) {
-        least = run.summary.cost;
-        best = answer;
+      if (run.summary.usable() && (!best || run.summary.cost < runs[*best]["cost"].get<double>())) {
+        best = runs.size() - 1;
+        best_graph = &solved;
       }
       if (run.summary.usable() && !arguments_.tum.empty())
         write_tum_directory((fs::path(arguments_.tum) / (stem + "_" + backend)).string(), answer, problem.times);
+      answers.push_back(std::move(answer));
     }
     bar_.clear();
-    if (best.size() > 0)
-      for (const std::string& note : write_converted(arguments_.output, with_values(problem.dataset, best), ""))
-        terminal_.err << "holdfast: note: " << note << '\n';
+    if (!filter_.has_whole()) tell_ends_apart(problem.instance.graph, answers, runs);
+    if (best) look_at_best(problem, *best_graph, answers[*best], runs[*best]);
     print(file, problem, runs);
     lines_.insert(lines_.end(), runs.begin(), runs.end());
   }
 
-  /// Run and answer are those of the minimum that lies below where the back-end stopped at a saddle.
-  SecondOrder leave_saddles(const Graph& graph, const Values& truth, Run& run, Values& answer) const {
-    SecondOrder end;
-    end.summary = run.summary;
-    end.why = "--no-second-order";
-    if (!arguments_.second_order) return end;
-    end.why = run.summary.usable() ? "no factor that could hide a saddle" : "the solve failed";
-    if (!run.summary.usable() || !may_hide_saddles(graph)) return end;
-    std::string name = run.task.backend;  // GNC would begin with the start again
-    if (const std::string gnc = "gnc-"; name.rfind(gnc, 0) == 0) name = name.substr(gnc.size());
-    Options options = run.task.options;
-    options.progress = nullptr;
-    end = second_order_from(graph, answer, *make_backend(name, options), run.summary);
-    if (end.saddles == 0) return end;
-    if (!end.summary.usable()) {  // the answer is as it was
-      end.summary = run.summary;
-      return end;
+  /// What is said once of a file: at the answer of the lowest cost.
+  void look_at_best(const FileProblem& problem, const Graph& graph, const Values& answer, Json& run) {
+    write_output(arguments_.output, problem, answer);
+    if (arguments_.check) {
+      const Stopwatch watch;
+      run["findings"] = Json::array();
+      for (const Finding& finding : merged(check(graph, answer))) {
+        const bool is_told = finding.kind == Finding::Kind::mirror_image && arguments_.mirror;
+        if (!is_told) terminal_.err << "holdfast: warning: " << to_string(finding.kind) << ": " << finding.text << '\n';
+        run["findings"].push_back({{"kind", to_string(finding.kind)}, {"text", finding.text}});
+      }
+      run["seconds_check"] = watch.seconds();
     }
-    run.summary = end.summary;
-    run.seconds = {end.summary.seconds + end.seconds_check};
-    run.error = position_error(truth, answer);
-    run.ranges = count_ranges(graph, answer);
-    return end;
-  }
-  void note_second_order(const SecondOrder& end, Json& run) {
-    run["minimum"] = to_string(end.verdict);
-    run["saddles_left"] = end.saddles;
-    run["seconds_second_order"] = end.seconds_check;
-    if (end.verdict == SecondOrder::Verdict::not_checked) run["not_checked"] = end.why;
-    const std::string name = run["backend"].get<std::string>();
-    if (end.verdict == SecondOrder::Verdict::left_saddle)
-      saddles_.push_back(name + " left a saddle (" + std::to_string(end.saddles) + " in all): the answer is a second-order minimum");
-    else if (end.curvature < 0 && end.verdict == SecondOrder::Verdict::not_checked)
-      saddles_.push_back(name + ": the answer may be a saddle: " + end.why);
-  }
-
-  void leave_out_inconsistent(Graph& graph) {
-    constexpr std::size_t kMostNames = 20;
-    const ConsistentLoops found = consistent_loops(graph);
-    pcm_ = "pcm: " + found.str();
-    for (std::size_t i = 0; i < std::min(found.rejected.size(), kMostNames); ++i) {
-      const Graph::Place& place = graph.place(found.rejected[i]);
-      pcm_ += (i == 0 ? "\nrejected: " : ", ") + graph.batches()[place.batch]->describe(place.index);
+    if (!arguments_.mirror) return;
+    const Task task{"", "", "", run["backend"].get<std::string>(), arguments_.seed, plan_.options};
+    const std::vector<MirrorAnswer> mirrors = mirror_answers(task, graph, answer, run["cost"].get<double>());
+    if (mirrors.empty()) remark("mirror image: none fits as well");
+    for (std::size_t i = 0; i < mirrors.size(); ++i) {
+      remark(mirrors[i].text);
+      if (arguments_.output.empty()) continue;
+      fs::path path = arguments_.output;
+      path.replace_filename(path.stem().string() + "-mirror-" + std::to_string(i + 1) + path.extension().string());
+      write_output(path.string(), problem, mirrors[i].answer);
     }
-    if (found.rejected.size() > kMostNames) pcm_ += ", and " + std::to_string(found.rejected.size() - kMostNames) + " more";
-    rejected_loops_ = found.rejected.size();
-    if (rejected_loops_ > 0 && !plan_.problem.loss.is_convex()) whole_ = graph;
-    for (const FactorId id : found.rejected) graph.remove(id);
   }
-
-  /// Under a loss that outliers cannot pull along, the cost over all loops says which is better, the answer with pcm or the one without;
-  /// run and answer are those of the better one.
-  bool pcm_harms(const Task& task, const Instance& filtered, Run& run, Values& answer) {
-    if (!whole_) return false;
-    const Instance all{*whole_, filtered.start, filtered.truth};
-    Values without;
-    Run other = run_task(task, all, without);
-    if (!other.summary.usable()) return false;
-    const double with_pcm = run.summary.usable() ? whole_->cost(answer) : std::numeric_limits<double>::infinity();
-    const bool harms = whole_->cost(without) < with_pcm;
-    std::ostringstream text;
-    text << "pcm, " << task.backend << ": over all loops the cost is " << with_pcm << " with it and " << whole_->cost(without)
-         << " without it; the answer is the one " << (harms ? "without" : "with") << " it";
-    pcm_ += "\n" + text.str();
-    if (harms) {
-      run = std::move(other);
-      answer = std::move(without);
-    }
-    return harms;
+  void write_output(const std::string& path, const FileProblem& problem, const Values& answer) {
+    if (path.empty()) return;
+    for (const std::string& note : write_converted(path, with_values(problem.dataset, answer), ""))
+      terminal_.err << "holdfast: note: " << note << '\n';
+  }
+  void remark(const std::string& text) {
+    if (!text.empty()) remarks_.push_back(text);
   }
 
   void certify_answer(const Graph& graph, const Values& answer, Json& run) {
@@ -282,7 +252,7 @@ class Solver {
     run["bound"] = certificate.bound;
     run["gap"] = certificate.gap();
     run["seconds_certificate"] = certificate.seconds;
-    certificates_.push_back("certificate, " + run["backend"].get<std::string>() + polished + ": " + certificate.str());
+    remark("certificate, " + run["backend"].get<std::string>() + polished + ": " + certificate.str());
   }
 
   void print(const std::string& file, const FileProblem& problem, const std::vector<Json>& runs) {
@@ -293,14 +263,12 @@ class Solver {
     terminal_.out << ", start " << arguments_.start;
     if (arguments_.start == "odometry") terminal_.out << " (seed " << arguments_.seed << ")";
     terminal_.out << ", tolerance " << arguments_.tolerance << ", threads " << arguments_.threads << '\n';
-    if (!pcm_.empty()) terminal_.out << pcm_ << '\n';
+    if (!filter_.text().empty()) terminal_.out << filter_.text() << '\n';
     terminal_.out << "read: " << problem.used << '\n';
     if (!problem.start.empty()) terminal_.out << "start: " << problem.start << '\n';
     print_solve(terminal_.out, runs);
     print_differences(terminal_.out, runs);
-    for (const std::string& saddle : saddles_) terminal_.out << saddle << '\n';
-    for (const std::string& rejected : rejected_) terminal_.out << rejected << '\n';
-    for (const std::string& certificate : certificates_) terminal_.out << certificate << '\n';
+    for (const std::string& remark : remarks_) terminal_.out << remark << '\n';
     terminal_.out << std::endl;
   }
 
@@ -320,12 +288,8 @@ class Solver {
   Terminal& terminal_;
   ProgressBar bar_;
   std::vector<Json> lines_;
-  std::vector<std::string> rejected_;
-  std::vector<std::string> saddles_;       ///< of the file at hand
-  std::vector<std::string> certificates_;  ///< of the file at hand
-  std::string pcm_;                        ///< what was left out of it
-  std::optional<Graph> whole_;             ///< with it, where a fall-back can be judged
-  std::size_t rejected_loops_ = 0;
+  std::vector<std::string> remarks_;  ///< on the file at hand
+  LoopFilter filter_;                 ///< of the file at hand
   bool all_is_well_ = true;
 };
 

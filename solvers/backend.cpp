@@ -1,5 +1,6 @@
 #include <holdfast/solvers/backend.hpp>
 #include <holdfast/solvers/detail/clock.hpp>
+#include <holdfast/solvers/second_order.hpp>
 
 namespace holdfast {
 
@@ -15,8 +16,25 @@ Summary Backend::solve(const Graph& graph, Values& values) {
     summary.culprit = name();
   }
   if (summary.usable()) values.assign(scratch_);
+  if (summary.usable() && (options.second_order || options.findings)) look_further(graph, values, summary);
   summary.seconds = watch.seconds();
   return summary;
+}
+
+void Backend::look_further(const Graph& graph, Values& values, Summary& summary) {
+  if (options.second_order && !may_hide_saddles(graph)) {
+    summary.not_checked = "no factor that could hide a saddle";
+  } else if (options.second_order) {
+    SecondOrder end = second_order_from(graph, values, *this, summary);
+    std::vector<Iteration> trace = std::move(summary.trace);
+    if (end.summary.usable()) summary = std::move(end.summary);
+    if (!trace.empty()) summary.trace.swap(trace);
+    summary.minimum = end.verdict;
+    summary.not_checked = end.why;
+    summary.saddles_left = end.saddles;
+    summary.seconds_second_order = end.seconds_check;
+  }
+  if (options.findings) summary.findings = check(graph, values);
 }
 
 }  // namespace holdfast

@@ -2,6 +2,9 @@
 //
 //   Summary s = backend->solve(graph, values);        // values: start in, answer out; unchanged when the solve fails
 //
+// Whatever the back-end: with Options::second_order an end at a saddle is left and solved on from (second_order.hpp), and with
+// Options::findings the summary holds what check() finds at the answer.
+//
 // Threads. A back-end keeps its memory for the next solve: one thread at a time may use it, and different threads different back-ends, even
 // on the same graph. register_backend() is called before threads start.
 #pragma once
@@ -10,6 +13,10 @@
 #include <holdfast/solvers/summary.hpp>
 
 namespace holdfast {
+
+namespace detail {
+class NewtonSystem;
+}
 
 class Backend {
  public:
@@ -23,6 +30,12 @@ class Backend {
   /// start, also for the progress callback. References into `values` stay valid.
   Summary solve(const Graph& graph, Values& values);
 
+  /// The back-end that goes on from a place near the answer: itself, or the one it wraps where it would begin afresh (GNC).
+  virtual Backend& near_answer() { return *this; }
+  /// What the last solve of this structure linearised and factored near its answer; null where the back-end keeps no such thing.
+  /// Internal: second_order.hpp need not do it again.
+  virtual detail::NewtonSystem* last_system(const Graph&, const Values&) { return nullptr; }
+
   Options options;
 
  protected:
@@ -31,6 +44,8 @@ class Backend {
   virtual Summary minimize(const Graph& graph, Values& values) = 0;
 
  private:
+  void look_further(const Graph& graph, Values& values, Summary& summary);
+
   Values scratch_;  ///< kept from solve to solve, so that a structure met before allocates nothing
 };
 

@@ -254,7 +254,7 @@ Summary Gnc::solve_inner(const Graph& problem, Values& x, const Stopwatch& watch
   constexpr double kLeastTime = 1e-6;  // [s]: a limit must be positive
   inner_->options = options;
   inner_->options.cost_tolerance = tolerance;
-  inner_->options.trace = false;
+  inner_->options.trace = inner_->options.second_order = inner_->options.findings = false;
   inner_->options.progress = nullptr;
   inner_->options.time_limit = std::max(kLeastTime, options.time_limit - watch.seconds());
   return inner_->solve(problem, x);

@@ -56,6 +56,7 @@ class Gnc final : public Backend {
   /// Throws BadOption: no inner back-end, or options that break their rules.
   Gnc(std::unique_ptr<Backend> inner, GncOptions chosen);
   std::string name() const override { return "gnc-" + inner_->name(); }
+  Backend& near_answer() override { return *inner_; }
 
   struct TermWeight {
     FactorId id;

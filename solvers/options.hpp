@@ -21,8 +21,10 @@ struct Options {
   double gradient_tolerance = 1e-10;  ///< >= 0: the largest component of the gradient (tangent, whitened)
   int threads = 1;                    ///< 1 … 1024; in-house back-ends give the same bits for any number
   double time_limit = std::numeric_limits<double>::infinity();  ///< > 0 [s]; the best values so far are the answer
-  bool trace = false;                                           ///< keep every iteration in the Summary
-  std::function<bool(const Iteration&)> progress;               ///< called after each iteration; false stops the solve
+  bool second_order = false;  ///< where the end is a saddle, leave it and solve on (second_order.hpp); the Summary says what was found
+  bool findings = false;      ///< check(graph, answer) into the Summary (graph/check.hpp)
+  bool trace = false;         ///< keep every iteration in the Summary
+  std::function<bool(const Iteration&)> progress;  ///< called after each iteration; false stops the solve
 
   /// Throws BadOption with field, value and rule.
   void validate() const;

@@ -9,16 +9,20 @@
 //
 //   1. the back-end solves;
 //   2. the sign of the curvature at its answer x. Lanczos with full orthogonalisation on ∇²f v = θ M v, at most lanczos_steps of them:
-//      ∇²f v = (g(x ⊕ hv) − g(x ⊖ hv)) / 2h, g the exact gradient of Graph::cost, robust losses included; M = H + μ D the model of
-//      iteratively re-weighted least squares, factored once, with a little damping. So θ ≤ 1 where residuals are small, and what the
-//      model does not see (a saddle, and a cusp at zero distance most of all) stands far outside on the left, where Lanczos goes first;
+//      ∇²f v = (g(x ⊕ hv) − g(x ⊖ hv)) / 2h, g the exact gradient of Graph::cost, robust losses included; M = H + λ D the model of
+//      iteratively re-weighted least squares, factored. So θ ≤ 1 where residuals are small, and what the model does not see (a saddle,
+//      and a cusp at zero distance most of all) stands far outside on the left, where Lanczos goes first. It ends as soon as a negative
+//      eigenvalue would have shown: its part in a random vector is 1/√n or so, and grows with every step by a factor that follows from
+//      how far it lies outside of the others (Kuczyński, Woźniakowski 1992).
+//      M is at first what irls has at hand from its last step, and the difference is one-sided: that says "minimum" in most solves.
+//      Where it does not, M is made anew at x, with a little damping, and differences are central;
 //   3. θ < −curvature_tolerance, and a step along v or −v, long or short, has a lower cost: the best of them is the next start. Back to 1.
 //
 // What it is not: a proof. The least θ of a few Lanczos steps from one pseudo-random vector (always the same one) is an upper bound of the
 // least. A direction that bends down by less than curvature_tolerance · vᵀMv is taken for flat. A minimum may be a local one.
-// Cost of a check: a linearisation, an ordering, a factorisation, and two gradients and one substitution a Lanczos step. It allocates.
-// That is dear: 0.28 to 1.26 of irls' own solve on twelve public files (M3500 to tiers; Huber 2, start from odometry), where none
-// ended in a saddle. The program's solve asks for it where may_hide_saddles(); nothing in the library calls it unasked.
+// Cost of a check after irls: one gradient and one substitution a Lanczos step, of which there are three where all is well; after others
+// an ordering and a factorisation, too. It allocates. Nothing in the library calls it unasked; the program's solve does where
+// may_hide_saddles().
 #pragma once
 
 #include <holdfast/solvers/backend.hpp>
@@ -35,11 +39,7 @@ struct SecondOrderOptions {
 };
 
 struct SecondOrder {
-  enum class Verdict {
-    minimum,      ///< the back-end's own answer is one
-    left_saddle,  ///< it was not; after `saddles` of them the answer is
-    not_checked   ///< see why
-  };
+  using Verdict = Minimum;
   Verdict verdict = Verdict::not_checked;
   std::string why;           ///< of not_checked
   int saddles = 0;           ///< left
@@ -48,8 +48,6 @@ struct SecondOrder {
   Summary summary;           ///< of the last solve; cost_first is the start's, iterations, restarts and seconds are of all solves
   std::string str() const;
 };
-
-const char* to_string(SecondOrder::Verdict verdict);
 
 /// Throws what Backend::solve throws, and BadOption. Values are unchanged where it fails (summary.usable() is false); the cost never rises
 /// from one solve to the next. The back-end's time_limit holds for each solve.

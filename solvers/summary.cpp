@@ -19,11 +19,18 @@ const char* to_string(Termination termination) {
   return "failed";
 }
 
+const char* to_string(Minimum minimum) {
+  static const char* const names[] = {"second-order minimum", "left a saddle", "not checked"};
+  return names[static_cast<int>(minimum)];
+}
+
 std::string Summary::str() const {
   std::ostringstream text;
   text.precision(9);
   text << to_string(termination) << " (" << why() << "): cost " << cost_first << " -> " << cost << " in " << iterations << " iterations, "
        << seconds << " s";
+  if (minimum != Minimum::not_checked) text << ", " << to_string(minimum);
+  if (saddles_left > 0) text << ", saddles left: " << saddles_left;
   return text.str();
 }
 

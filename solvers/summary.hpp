@@ -1,6 +1,7 @@
 // How a solve went and why it stopped.
 #pragma once
 
+#include <holdfast/graph/check.hpp>
 #include <holdfast/solvers/options.hpp>
 #include <ostream>
 #include <string>
@@ -10,6 +11,14 @@ namespace holdfast {
 
 enum class Termination { converged, iteration_limit, time_limit, stopped, failed };
 const char* to_string(Termination termination);
+
+/// What is known of an answer beyond its gradient (second_order.hpp).
+enum class Minimum {
+  minimum,      ///< of second order: no curvature below zero was found
+  left_saddle,  ///< the back-end's own end was a saddle; after `saddles_left` of them the answer is a minimum
+  not_checked   ///< Summary::not_checked says why
+};
+const char* to_string(Minimum minimum);
 
 struct Summary {
   Termination termination = Termination::failed;
@@ -24,7 +33,12 @@ struct Summary {
   double seconds_setup = 0;  ///< of it: the back-end's own problem, ordering, symbolic phase
   double seconds_linearize = 0;  ///< residuals and Jacobians
   double seconds_solve = 0;      ///< linear algebra
-  std::vector<Iteration> trace;  ///< if asked for
+  Minimum minimum = Minimum::not_checked;
+  std::string not_checked = "not asked for";  ///< why, where it was not
+  int saddles_left = 0;
+  double seconds_second_order = 0;  ///< of looking, not of solving on; part of seconds
+  std::vector<Finding> findings;    ///< of the graph at the answer, if asked for
+  std::vector<Iteration> trace;     ///< if asked for
 
   /// True where values hold an answer no worse than the start: everything but a failure.
   bool usable() const { return termination != Termination::failed; }

@@ -33,6 +33,10 @@ Irls::Irls(Options chosen, IrlsOptions of_irls)
     : Backend(std::move(chosen)), irls_options(of_irls), rows_(std::make_unique<detail::LinearRows>()) {}
 Irls::~Irls() = default;
 
+detail::NewtonSystem* Irls::last_system(const Graph& graph, const Values& values) {
+  return workspace_ && workspace_->system.serves(graph, values, options.threads) ? &workspace_->system : nullptr;
+}
+
 Curvature Irls::curvature(const Graph& graph, bool linear) const {
   if (irls_options.reweighting == Reweighting::irls) return Curvature::irls;
   if (irls_options.reweighting == Reweighting::newton) return Curvature::newton;

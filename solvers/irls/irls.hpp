@@ -40,6 +40,8 @@ class Irls final : public Backend {
   ~Irls() override;
   std::string name() const override { return "irls"; }
 
+  detail::NewtonSystem* last_system(const Graph& graph, const Values& values) override;
+
   IrlsOptions irls_options;
 
  protected:

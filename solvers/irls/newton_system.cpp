@@ -47,13 +47,39 @@ void NewtonSystem::read_diagonal() {
 
 double NewtonSystem::solve_damped(double lambda, std::vector<double>& step) {
   for (std::size_t i = 0; i < damping_.size(); ++i) damping_[i] = lambda * std::max(diagonal_[i], kLeastDiagonal);
-  if (!cholesky_.factor(normal_.H(), damping_, &pool_)) return NAN;
+  is_factored_ = cholesky_.factor(normal_.H(), damping_, &pool_);
+  if (!is_factored_) return NAN;
   const std::vector<double>& g = gradient();
   for (std::size_t i = 0; i < rhs_.size(); ++i) rhs_[i] = -g[i];
   cholesky_.solve(rhs_, step);
   double predicted = 0;
   for (std::size_t i = 0; i < step.size(); ++i) predicted += 0.5 * step[i] * (damping_[i] * step[i] - g[i]);
   return predicted;
+}
+
+bool NewtonSystem::factor_by_blocks(double lambda) {
+  damping_ = block_scales();
+  for (double& d : damping_) d *= lambda;
+  is_factored_ = false;
+  for (int i = 0; i < 8 && !is_factored_; ++i) {
+    is_factored_ = cholesky_.factor(normal_.H(), damping_, &pool_);
+    for (double& d : damping_) d *= 10;
+  }
+  return is_factored_;
+}
+
+std::vector<double> NewtonSystem::block_scales() const {
+  const BlockPattern& pattern = normal_.pattern();
+  std::vector<double> scales(diagonal_.size());
+  const auto begin = diagonal_.begin();
+  for (int i = 0; i < pattern.size(); ++i) {
+    const int first = pattern.offsets[i], last = pattern.offsets[i + 1];
+    std::fill(scales.begin() + first, scales.begin() + last, *std::max_element(begin + first, begin + last));
+  }
+  const double largest = scales.empty() ? 0 : *std::max_element(scales.begin(), scales.end());
+  for (double& s : scales)
+    if (s == 0) s = largest > 0 ? largest : 1;
+  return scales;
 }
 
 std::vector<std::vector<int>> tangent_offsets(const Resolved& resolved) {

@@ -88,7 +88,7 @@ TEST(PositionError, OfOnePositionIsZeroAligned) {
   EXPECT_NEAR(position_error(truth, estimate)->rmse, 5, 1e-12);
 }
 
-TEST(CountRanges, CountsThoseWhoseWeightIsBelowAHalf) {
+TEST(CountRejected, CountsThoseWhoseWeightIsBelowAHalf) {
   Graph graph;
   Values values;
   values.insert(A(0), Point2(0.0, 0.0));
@@ -98,9 +98,11 @@ TEST(CountRanges, CountsThoseWhoseWeightIsBelowAHalf) {
   graph.add(Range<Point2, Point2>{500.0, 1.0}, {A(0), A(1)});                     // squared rejects nothing
   graph.add(Range<Point2, Point2>{0.5, 1.0}, {A(0), A(1)}, one_sided(Huber{2}));  // too short: trusted
   graph.add(Between<Point2>::from_sigmas(Point2(90.0, 0.0), Vector<2>(1, 1)), {A(0), A(1)}, Huber{2});
-  const RangeCount count = count_ranges(graph, values);
+  const RejectedCount count = count_rejected(graph, values);
   EXPECT_EQ(count.ranges, 6u);
-  EXPECT_EQ(count.rejected, 2u);
+  EXPECT_EQ(count.rejected_ranges, 2u);
+  EXPECT_EQ(count.judged, 6u);  // without the squared one, with the relative position
+  EXPECT_EQ(count.rejected, 3u);
 }
 
 TEST(Median, IsInTheMiddle) {

@@ -33,8 +33,10 @@ Run any_run() {
   run.error = PositionError();
   run.error->ate_rmse = 0.1;
   run.error->rmse = 0.2;
-  run.ranges.ranges = 40;
-  run.ranges.rejected = 4;
+  run.rejected.ranges = 40;
+  run.rejected.rejected_ranges = 4;
+  run.rejected.judged = 50;
+  run.rejected.rejected = 5;
   run.variables = 100;
   run.factors = 200;
   return run;
@@ -44,7 +46,8 @@ TEST(RunLine, HoldsEveryNumberUnderItsName) {
   const Json expected = Json::parse(R"({"file": "a.g2o", "backend": "irls", "loss": "huber:2", "start": "odometry", "cost_first": 20.0,
     "cost": 3.0, "iterations": 9, "restarts": 1, "termination": "time limit", "why": "enough", "gradient_norm": 0.125, "seconds": 5.0,
     "seconds_setup": 0.25, "seconds_linearize": 0.5, "seconds_solve": 0.75, "repetitions": 3, "ate_rmse": 0.1, "rmse": 0.2,
-    "rejected_ranges": 4, "ranges": 40, "variables": 100, "factors": 200, "seed": 5, "threads": 2, "tolerance": 1e-7,
+    "rejected_ranges": 4, "ranges": 40, "rejected_factors": 5, "judged": 50,
+    "variables": 100, "factors": 200, "seed": 5, "threads": 2, "tolerance": 1e-7,
     "max_iterations": 70, "time_limit": 11.0})");
   EXPECT_EQ(Json::parse(to_line(to_json(any_run()))).dump(), expected.dump());
 }

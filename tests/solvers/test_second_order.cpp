@@ -1,6 +1,8 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <holdfast/factors/between.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/range.hpp>
 #include <holdfast/graph/gradient.hpp>
@@ -85,25 +87,61 @@ double least_eigenvalue(const Graph& graph, const Values& values) {
   return e[0] / std::max(1.0, e[n - 1]);
 }
 
-class SecondOrderFrom : public ::testing::TestWithParam<Start> {};
+class SecondOrderFrom : public ::testing::TestWithParam<std::tuple<Start, const char*>> {};
 
 TEST_P(SecondOrderFrom, NoRunEndsInAStationaryPointThatIsNotAMinimum) {
+  const auto& [start, name] = GetParam();
+  const std::vector<std::string> known = backend_names();
+  if (std::string(name) == "ceres" && std::find(known.begin(), known.end(), "ceres") == known.end()) GTEST_SKIP() << "no Ceres";
   Options options;
   options.cost_tolerance = 1e-12;
-  const auto backend = make_backend("irls", options);
+  options.second_order = true;
+  const auto backend = make_backend(name, options);
   int left = 0;
   for (int seed = 0; seed < kProblems; ++seed) {
-    const Problem problem = ranges(seed, GetParam());
+    const Problem problem = ranges(seed, start);
     Values values = problem.start;
-    const SecondOrder end = second_order(problem.graph, values, *backend);
-    EXPECT_NE(end.verdict, Verdict::not_checked) << "seed " << seed << ": " << end.str();
+    const Summary end = backend->solve(problem.graph, values);
+    EXPECT_NE(end.minimum, Minimum::not_checked) << "seed " << seed << ": " << end.not_checked << end.str();
     EXPECT_GT(least_eigenvalue(problem.graph, values), -1e-5) << "seed " << seed << ": " << end.str();
-    left += end.saddles > 0;
+    left += end.saddles_left > 0;
   }
-  EXPECT_GE(left, kProblems / 2 - 1);
+  EXPECT_GE(left, kProblems / 2 - 5);  // the starts of the others, and a first step, may be off the saddle
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryStart, SecondOrderFrom, ::testing::Values(Start::plane, Start::line, Start::point));
+INSTANTIATE_TEST_SUITE_P(EveryStart, SecondOrderFrom,
+                         ::testing::Combine(::testing::Values(Start::plane, Start::line, Start::point),
+                                            ::testing::Values("irls", "nesterov", "ceres", "gnc-irls")));
+
+TEST(SecondOrder, IsAnOptionOfEveryBackend) {
+  const Problem problem = ranges(3, Start::plane);
+  Values values = problem.start;
+  const Summary off = make_backend("irls")->solve(problem.graph, values);
+  EXPECT_EQ(off.minimum, Minimum::not_checked);
+  EXPECT_EQ(off.not_checked, "not asked for");
+  Options options;
+  options.second_order = options.findings = true;
+  const Summary on = make_backend("irls", options)->solve(problem.graph, values);
+  EXPECT_EQ(on.minimum, Minimum::left_saddle);
+  EXPECT_LT(on.cost, off.cost);
+  EXPECT_GT(on.seconds_second_order, 0);
+  EXPECT_THAT(on.str(), ::testing::HasSubstr("left a saddle, saddles left: "));
+  ASSERT_FALSE(on.findings.empty());  // all anchors in one plane
+  EXPECT_EQ(on.findings.front().kind, Finding::Kind::mirror_image);
+}
+
+TEST(SecondOrder, APoseGraphHasNothingToHide) {
+  Graph graph;
+  Values values;
+  for (int i = 0; i < 2; ++i) values.insert(N(i), Pose2(i, 0, 0));
+  graph.add(Prior<Pose2>::from_sigmas(Pose2(0, 0, 0), Vector<3>(1, 1, 1)), {N(0)});
+  graph.add(Between<Pose2>::from_sigmas(Pose2(1, 0.5, 0), Vector<3>(1, 1, 1)), {N(0), N(1)});
+  Options options;
+  options.second_order = true;
+  const Summary end = make_backend("irls", options)->solve(graph, values);
+  EXPECT_EQ(end.minimum, Minimum::not_checked);
+  EXPECT_EQ(end.not_checked, "no factor that could hide a saddle");
+}
 
 /// Two robots on one spot, 5 m apart by measurement: cases/pose_on_pose.
 TEST(SecondOrder, ZeroDistanceIsLeftUnderEveryBackend) {

@@ -29,7 +29,14 @@ class NewtonSystem {
   /// Factors with this λ and solves for δ. Returns the decrease of the cost that the quadratic model predicts, ½ δᵀ(λ diag(H) δ − g), or
   /// NaN where the matrix is not positive definite.
   double solve_damped(double lambda, std::vector<double>& step);
-  /// x = (H + λ diag H)⁻¹ b with the λ of the last solve_damped.
+  /// Factors H + λ D, D the largest diagonal entry of each scalar's variable: it bounds M⁻¹ where a direction of a variable has no
+  /// curvature. False where no λ up to 1e8 times the given one makes it definite.
+  bool factor_by_blocks(double lambda);
+  /// By scalar row: the largest diagonal entry of the variable it belongs to; where that is 0, the largest of all; where that is, 1.
+  std::vector<double> block_scales() const;
+  /// True where the last factorisation went well.
+  bool is_factored() const { return is_factored_; }
+  /// x = M⁻¹ b with what was factored last.
   void solve_again(const std::vector<double>& b, std::vector<double>& x) { cholesky_.solve(b, x); }
 
   /// Between the elimination order and Resolved's tangent.
@@ -50,6 +57,7 @@ class NewtonSystem {
   BlockCholesky cholesky_;
   ThreadPool pool_;
   std::vector<double> diagonal_, damping_, rhs_;
+  bool is_factored_ = false;
 };
 
 /// Where each variable's part of a tangent begins, by batch, for every variable of every factor; −1: fixed.

@@ -5,6 +5,7 @@
 #include <holdfast/adapters/files/convert.hpp>
 #include <holdfast/adapters/files/problem.hpp>
 #include <holdfast/adapters/files/report.hpp>
+#include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/von_mises_bearing.hpp>
 #include <holdfast/graph/check.hpp>
 #include <holdfast/graph/files/tum.hpp>
@@ -281,6 +282,56 @@ TEST(Cases, Edge2ByRows) {
   EXPECT_EQ(edges_of<RelativePoseEdge<Pose2>>(data)[0]->noise.written, expected);
   EXPECT_EQ(written(data), content(case_path("edge2_by_rows.graph")));
   solved(data);
+}
+
+TEST(Cases, AStartInThePlaneOfAllAnchorsIsLeft) {
+  NEED_CASE("coplanar_in_plane.pyfg");
+  const Problem problem = make_problem(read_dataset(case_path("coplanar_in_plane.pyfg")));
+  Options options;
+  options.second_order = true;
+  for (const char* name : {"irls", "nesterov"}) {
+    Values values = problem.start;
+    const Summary end = make_backend(name, options)->solve(problem.graph, values);
+    EXPECT_EQ(end.minimum, Minimum::left_saddle) << name << ": " << end.str();
+    EXPECT_LT(end.cost, 1e-9) << name;
+  }
+}
+
+TEST(Cases, RobotsOnOneSpotMoveApartWhereOneOfThemMay) {
+  NEED_CASE("pose_on_pose.pyfg");
+  Problem problem = make_problem(read_dataset(case_path("pose_on_pose.pyfg")));
+  // The second robot's start is known to 10 m: 5 m away it costs half of (5 / 10)², and all four ranges fit.
+  for (std::size_t b = 0; b < problem.graph.batches().size(); ++b)
+    for (int i = problem.graph.batches()[b]->size() - 1; i >= 0; --i)
+      if (problem.graph.batches()[b]->arity() == 1 && problem.graph.batches()[b]->keys(i)[0] == Key('B', 0))
+        problem.graph.remove(problem.graph.id_of(static_cast<int>(b), i));
+  problem.graph.add(Prior<Pose2>::from_sigmas(Pose2(), Vector<3>(10, 10, 0.01)), {Key('B', 0)});
+  problem.graph.fix(Key('A', 0));
+  EXPECT_NEAR(problem.graph.cost(problem.start), 5000, 1e-9);
+  Options options;
+  options.second_order = true;
+  const Summary end = make_backend("irls", options)->solve(problem.graph, problem.start);
+  EXPECT_EQ(end.minimum, Minimum::left_saddle) << end.str();
+  EXPECT_NEAR(end.cost, 0.125, 1e-4);
+}
+
+TEST(Cases, WhatNothingHolds) {
+  NEED_CASE("two_sessions.g2o");
+  NEED_CASE("one_anchor.pyfg");
+  const Problem sessions = make_problem(read_dataset(case_path("two_sessions.g2o")));
+  const std::vector<Finding> free = of_kind(check(sessions.graph, sessions.start), Finding::Kind::free_gauge);
+  ASSERT_EQ(free.size(), 1u);
+  EXPECT_EQ(free[0].keys, std::vector<Key>{x(100)});
+  const Problem anchor = make_problem(read_dataset(case_path("one_anchor.pyfg")));
+  EXPECT_EQ(of_kind(check(anchor.graph, anchor.start), Finding::Kind::free_gauge).size(), 1u);
+}
+
+TEST(Cases, NoStartAtAll) {
+  NEED_CASE("all_zero.pyfg");
+  const Problem problem = make_problem(read_dataset(case_path("all_zero.pyfg")));
+  const Finding stuck = zero_distance(problem.graph, problem.start);
+  EXPECT_EQ(stuck.keys.size(), 8u);
+  EXPECT_NE(stuck.text.find("15 factors stand at zero distance"), std::string::npos) << stuck.text;
 }
 
 // ---- kinds that have no file in ../shared/cases
