@@ -19,8 +19,9 @@ struct RunnerOptions {
   /// Of robust: these graphs, kinds of outliers, methods and shares alone; empty: all.
   std::vector<std::string> graphs, kinds, methods;
   std::vector<double> shares;
-  std::string write_to;  ///< of robust: a directory that gets its problems as g2o files, for other programs; "": none
-  bool fresh = false;    ///< run again what is in the journal
+  std::vector<int> sizes;  ///< of network: nodes; empty: the suite's own
+  std::string write_to;    ///< of robust: a directory that gets its problems as g2o files, for other programs; "": none
+  bool fresh = false;      ///< run again what is in the journal
 };
 
 /// Solves that take longer are run once [s].

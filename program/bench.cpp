@@ -33,6 +33,9 @@ CLI::App* add_bench(CLI::App& app, BenchArguments& arguments) {
       ->delimiter(',');
   command->add_option("--shares", arguments.shares, "of robust: these alone, such as 0.1,3")->delimiter(',');
   command->add_option("--methods", arguments.methods, "of robust: these alone, such as gnc-irls,\"pcm + gnc-irls\"")->delimiter(',');
+  command->add_option("--sizes", arguments.sizes, "of network: numbers of nodes, comma-separated, such as 1000,1000000")
+      ->delimiter(',')
+      ->check(CLI::Range(10, 10000000));
   command->add_option("--write", arguments.write_to, "of robust: a directory for its pose graphs as g2o files, for benchmarks/peers");
   return command;
 }
@@ -54,6 +57,7 @@ RunnerOptions runner_options(const BenchArguments& arguments) {
   options.kinds = arguments.kinds;
   options.methods = arguments.methods;
   options.shares = arguments.shares;
+  options.sizes = arguments.sizes;
   options.write_to = arguments.write_to;
   options.fresh = arguments.fresh;
   return options;

@@ -111,6 +111,7 @@ struct BenchArguments {
   bool fresh = false;
   std::vector<std::string> graphs, kinds, methods;
   std::vector<double> shares;
+  std::vector<int> sizes;
   std::string write_to;
 };
 CLI::App* add_bench(CLI::App& app, BenchArguments& arguments);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <holdfast/solvers/backend.hpp>
 #include <holdfast/solvers/detail/clock.hpp>
 #include <holdfast/solvers/second_order.hpp>
@@ -17,8 +18,14 @@ Summary Backend::solve(const Graph& graph, Values& values) {
   }
   if (summary.usable()) values.assign(scratch_);
   if (summary.usable() && (options.second_order || options.findings)) look_further(graph, values, summary);
+  summary.is_convex = is_convex_problem(graph);
   summary.seconds = watch.seconds();
   return summary;
+}
+
+bool is_convex_problem(const Graph& graph) {
+  return std::all_of(graph.batches().begin(), graph.batches().end(),
+                     [](const auto& batch) { return batch->is_convex() && batch->family().is_convex(); });
 }
 
 void Backend::look_further(const Graph& graph, Values& values, Summary& summary) {

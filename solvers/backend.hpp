@@ -49,6 +49,9 @@ class Backend {
   Values scratch_;  ///< kept from solve to solve, so that a structure met before allocates nothing
 };
 
+/// True where every factor and every loss is convex, as they say of themselves: the graph has one minimum, or a convex set of equal ones.
+bool is_convex_problem(const Graph& graph);
+
 /// A problem that cannot be posed to a solver: no factors, or no free variable.
 class BadProblem : public Error {
  public:

@@ -29,6 +29,8 @@ std::string Summary::str() const {
   text.precision(9);
   text << to_string(termination) << " (" << why() << "): cost " << cost_first << " -> " << cost << " in " << iterations << " iterations, "
        << seconds << " s";
+  if (is_convex) text << ", convex";
+  if (decrement >= 0) text << ", at most about " << decrement << " above the minimum";
   if (minimum != Minimum::not_checked) text << ", " << to_string(minimum);
   if (saddles_left > 0) text << ", saddles left: " << saddles_left;
   return text.str();

@@ -33,6 +33,10 @@ struct Summary {
   double seconds_setup = 0;  ///< of it: the back-end's own problem, ordering, symbolic phase
   double seconds_linearize = 0;  ///< residuals and Jacobians
   double seconds_solve = 0;      ///< linear algebra
+  bool is_convex = false;        ///< every factor and every loss is convex: what converged is the global minimum
+  /// ½ gᵀ(H + λD)⁻¹ g, the decrease that Newton's model still predicts at the answer: of a convex problem what the cost lies above its
+  /// minimum by, about. NaN where the back-end has no such model.
+  double decrement = std::numeric_limits<double>::quiet_NaN();
   Minimum minimum = Minimum::not_checked;
   std::string not_checked = "not asked for";  ///< why, where it was not
   int saddles_left = 0;

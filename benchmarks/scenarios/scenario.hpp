@@ -27,6 +27,11 @@ Instance unicycle(const UnicycleOptions& options, unsigned seed);
 /// of 0.1 m. Convex, but many answers may be equally good: balls only bound. Start: anywhere in the square.
 Instance swarm(int nodes, unsigned seed);
 
+/// A random geometric network: nodes Point2 `N<i>` anywhere in a square with one node a square metre, a tenth of them anchors, fixed where
+/// they are, and a RangeBall between any two nearer than the radio's range r that makes eight neighbours on average; distances with 2 % of
+/// noise, σ = 0.02 r. Convex. Start: all others at the centroid of the anchors.
+Instance network(int nodes, unsigned seed);
+
 /// Paper C: three nodes Motion2 `A<k>`, `B<k>`, `C<k>` move among three known anchors, step (2, 0.4) m, 50 steps; each sees each anchor and
 /// each other node by range (σ = 0.5 m) and bearing (κ = 6000), both in one RangeBearingBall, and an edge loses `lost` of its measurements,
 /// never two in a row nor the first (papers/network.hpp). WhiteAcceleration between steps. Convex. Start: the centre of the anchors.

@@ -24,6 +24,8 @@ const std::vector<Suite>& suites() {
       {"papers-c", "paper C's tables: networks localised by ranges and bearings, packets lost", false, 200, no_cases, bench_paper_c},
       {"range", "a race: real range data from odometry", false, 1000, range_cases, race_ranges},
       {"pose-graph", "a race: pose graphs, and how time grows with their size", false, 1000, pose_graph_cases, race_pose_graphs},
+      {"network", "a race: random geometric networks of ranges, 100 to 100,000 nodes (--sizes: a million)", false, 10000, no_cases,
+       race_networks},
       {"robust", "false loop closures and echoes added to public graphs: losses, GNC, pairwise consistency", false, 1000, no_cases,
        race_robust},
       {"online", "a sliding window step by step: time, memory over a million steps, consistency", false, 1000, no_cases, race_online},

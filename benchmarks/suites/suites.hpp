@@ -36,6 +36,7 @@ std::vector<Case> pose_graph_cases(unsigned seed);
 bool race_windows(const RunnerOptions& options, Journal& journal, Terminal& terminal);
 bool race_ranges(const RunnerOptions& options, Journal& journal, Terminal& terminal);
 bool race_pose_graphs(const RunnerOptions& options, Journal& journal, Terminal& terminal);
+bool race_networks(const RunnerOptions& options, Journal& journal, Terminal& terminal);
 bool race_robust(const RunnerOptions& options, Journal& journal, Terminal& terminal);
 bool race_online(const RunnerOptions& options, Journal& journal, Terminal& terminal);
 

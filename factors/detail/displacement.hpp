@@ -28,6 +28,10 @@ SafeNorm<N> safe_norm(const Vector<N>& x) {
 
 namespace detail {
 
+/// A point: its position is its tangent.
+template <class V>
+inline constexpr bool is_point = V::dim == space_dim<V>&& is_vector_space<V>;
+
 /// out = sign D P, column by column: D is M × N (d r / d x), P is N × K (d position / d tangent). Loops, because Eigen's products of small
 /// matrices cost the compiler a second for every pair of variables.
 template <int M, int N, int K>
@@ -40,6 +44,15 @@ void carry_to_tangent(const Matrix<M, N>& D, const Matrix<N, K>& P, double sign,
     }
 }
 
+/// out = sign D d position / d tangent.
+template <class V, int M>
+void carry_to(const Matrix<M, space_dim<V>>& D, double sign, double* out) {
+  if constexpr (is_point<V>)
+    Eigen::Map<Matrix<M, V::dim>>(out, M, V::dim) = sign * D;
+  else
+    carry_to_tangent<M, space_dim<V>, V::dim>(D, V::position_jacobian(), sign, out);
+}
+
 }  // namespace detail
 
 /// D = d r / d x with x = p_b − p_a, carried to the tangents of a (variable 0) and b (variable 1).
@@ -47,9 +60,9 @@ template <class F>
 void set_displacement_jacobian(const Matrix<F::residual_dim, space_dim<typename F::Variables::template type<0>>>& D, Jacobians<F>& J) {
   using A = typename F::Variables::template type<0>;
   using B = typename F::Variables::template type<1>;
-  constexpr int M = F::residual_dim, N = space_dim<A>;
-  detail::carry_to_tangent<M, N, A::dim>(D, A::position_jacobian(), -1, J.all.data());
-  detail::carry_to_tangent<M, N, B::dim>(D, B::position_jacobian(), 1, J.all.data() + M * A::dim);
+  constexpr int M = F::residual_dim;
+  detail::carry_to<A, M>(D, -1, J.all.data());
+  detail::carry_to<B, M>(D, 1, J.all.data() + M * A::dim);
 }
 
 /// The Hessian by x of ½ (‖x‖ − radius)²: (1 − radius/n) I + (radius/n) u uᵀ with n = ‖x‖ and u = x/n. Outside the ball of this radius it
@@ -65,13 +78,20 @@ Matrix<N, N> ball_hessian(const Vector<N>& x, double radius) {
 template <class A, class B>
 Matrix<A::dim + B::dim, A::dim + B::dim> displacement_hessian(const Matrix<space_dim<A>, space_dim<A>>& D) {
   constexpr int N = space_dim<A>, dim = A::dim + B::dim;
-  Matrix<N, dim> C;
-  detail::carry_to_tangent<N, N, A::dim>(Matrix<N, N>::Identity(), A::position_jacobian(), -1, C.data());
-  detail::carry_to_tangent<N, N, B::dim>(Matrix<N, N>::Identity(), B::position_jacobian(), 1, C.data() + N * A::dim);
-  Matrix<N, dim> DC;
-  detail::carry_to_tangent<N, N, dim>(D, C, 1, DC.data());
   Matrix<dim, dim> H;
-  detail::carry_to_tangent<dim, N, dim>(C.transpose(), DC, 1, H.data());
+  if constexpr (detail::is_point<A> && detail::is_point<B>) {
+    for (int column = 0; column < N; ++column)
+      for (int row = 0; row < N; ++row) {
+        H(row, column) = H(N + row, N + column) = D(row, column);
+        H(N + row, column) = H(row, N + column) = -D(row, column);
+      }
+  } else {
+    Matrix<N, dim> C, DC;
+    detail::carry_to<A, N>(Matrix<N, N>::Identity(), -1, C.data());
+    detail::carry_to<B, N>(Matrix<N, N>::Identity(), 1, C.data() + N * A::dim);
+    detail::carry_to_tangent<N, N, dim>(D, C, 1, DC.data());
+    detail::carry_to_tangent<dim, N, dim>(C.transpose(), DC, 1, H.data());
+  }
   return H;
 }
 

@@ -26,6 +26,7 @@ class Progress {
   /// The stopping rules, on the best values so far.
   bool gradient_is_flat(double gradient_norm);
   bool decrease_is_small(double cost_before, double cost);
+  double cost_tolerance() const { return options_.cost_tolerance; }
   void end(Termination termination, const char* rule) {
     summary.termination = termination;
     summary.rule = rule;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <holdfast/solvers/irls/internal/convex_descent.hpp>
 #include <holdfast/solvers/irls/internal/linear_descent.hpp>
 #include <holdfast/solvers/irls/internal/nonlinear_descent.hpp>
 #include <holdfast/solvers/irls/irls.hpp>
@@ -22,10 +23,11 @@ bool all_linear(const Graph& graph) {
 /// What is kept between solves of one structure.
 struct Irls::Workspace {
   Workspace(const Graph& graph, const Values& values, int threads)
-      : system(graph, values, threads), nonlinear(graph, values, system), linear(system) {}
+      : system(graph, values, threads), nonlinear(graph, values, system), convex(values), linear(system) {}
 
   detail::NewtonSystem system;
   detail::NonlinearDescent nonlinear;
+  detail::ConvexDescent convex;
   detail::LinearFronts linear;
 };
 
@@ -64,6 +66,8 @@ Summary Irls::minimize(const Graph& graph, Values& values) {
     w.linear.load(graph, values);
     detail::descend_linear(graph, values, w.linear, curvature(graph, true), options.cost_tolerance, progress);
     w.linear.retract(values);
+  } else if (irls_options.reweighting == Reweighting::automatic && detail::ConvexDescent::serves(graph)) {
+    w.convex.minimize(graph, w.system, values, progress);
   } else {
     w.nonlinear.minimize(graph, w.system, values, {curvature(graph, false), options.cost_tolerance, irls_options.restart}, progress);
   }

@@ -25,7 +25,8 @@ class LinearRows;
 /// How the in-house second-order back-end weighs robust terms in its quadratic model (the gradient is exact either way).
 ///   irls:      w ρ'(s): a model that never lies below the cost near by; linear convergence.
 ///   newton:    w (ρ' + 2sρ''), cut off below: few iterations, kept descending by a line search.
-///   automatic: newton where all losses are convex and all factors linear, else irls.
+///   automatic: newton where all losses are convex and all factors linear, else irls; and where all losses and factors are convex and some
+///              say hessian() (RangeBall, MissingDistance): a semismooth Newton method with these Hessians, damped, with a line search.
 enum class Reweighting { automatic, irls, newton };
 
 /// What only this back-end has.

@@ -45,8 +45,10 @@ void NewtonSystem::read_diagonal() {
   }
 }
 
-double NewtonSystem::solve_damped(double lambda, std::vector<double>& step) {
-  for (std::size_t i = 0; i < damping_.size(); ++i) damping_[i] = lambda * std::max(diagonal_[i], kLeastDiagonal);
+double NewtonSystem::solve_damped(double lambda, std::vector<double>& step) { return solve_damped(lambda, diagonal_, step); }
+
+double NewtonSystem::solve_damped(double lambda, const std::vector<double>& scales, std::vector<double>& step) {
+  for (std::size_t i = 0; i < damping_.size(); ++i) damping_[i] = lambda * std::max(scales[i], kLeastDiagonal);
   is_factored_ = cholesky_.factor(normal_.H(), damping_, &pool_);
   if (!is_factored_) return NAN;
   const std::vector<double>& g = gradient();

@@ -29,6 +29,8 @@ class NewtonSystem {
   /// Factors with this λ and solves for δ. Returns the decrease of the cost that the quadratic model predicts, ½ δᵀ(λ diag(H) δ − g), or
   /// NaN where the matrix is not positive definite.
   double solve_damped(double lambda, std::vector<double>& step);
+  /// The same with λ times these scales in place of diag H.
+  double solve_damped(double lambda, const std::vector<double>& scales, std::vector<double>& step);
   /// Factors H + λ D, D the largest diagonal entry of each scalar's variable: it bounds M⁻¹ where a direction of a variable has no
   /// curvature. False where no λ up to 1e8 times the given one makes it definite.
   bool factor_by_blocks(double lambda);
