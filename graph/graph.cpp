@@ -106,6 +106,18 @@ FactorId Graph::add(const LinearPrior& prior) {
   return enter(**it, prior.keys.data(), 1.0, Squared{});
 }
 
+FactorId Graph::add_from(const Graph& other, FactorId id) {
+  const Place from = other.checked(id);
+  const FactorBatch& batch = *other.batches_[from.batch];
+  if (batch.factor_type() == typeid(LinearPrior)) return add(static_cast<const LinearPriorBatch&>(batch).prior());
+  const Loss& loss = batch.loss(from.index);
+  auto to = std::find_if(batches_.begin(), batches_.end(),
+                         [&](const auto& one) { return one->factor_type() == batch.factor_type() && one->family().is_of_family(loss); });
+  if (to == batches_.end()) to = batches_.insert(to, batch.make_empty(loss));
+  (*to)->push_from(batch, from.index);
+  return enter(**to, batch.keys(from.index), batch.weight(from.index), loss);
+}
+
 bool Graph::contains(FactorId id) const {
   return id.number >= 0 && id.number < static_cast<int>(places_.size()) && places_[id.number].batch >= 0 &&
          places_[id.number].generation == id.generation;

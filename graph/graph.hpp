@@ -57,6 +57,8 @@ class Graph {
   }
   /// The factor of run-time size (graph/linear_prior.hpp). Throws BadNumber, BadKey.
   FactorId add(const LinearPrior& prior);
+  /// A copy of a factor of another graph, whatever it is, with its loss and weight. Throws BadKey.
+  FactorId add_from(const Graph& other, FactorId id);
   void remove(FactorId id);
   bool contains(FactorId id) const;
 

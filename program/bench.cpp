@@ -28,7 +28,7 @@ CLI::App* add_bench(CLI::App& app, BenchArguments& arguments) {
   command->add_option("--runs", arguments.runs, "seeds of the papers' suites (20) and of robust (10): SEED, SEED + 1, …")
       ->check(CLI::PositiveNumber);
   command->add_flag("--fresh", arguments.fresh, "run again what the results hold already");
-  command->add_option("--graphs", arguments.graphs, "of robust, comma-separated: these alone, such as intel,plaza2")->delimiter(',');
+  command->add_option("--graphs", arguments.graphs, "of robust and incremental: these alone, such as intel,plaza2")->delimiter(',');
   command->add_option("--kinds", arguments.kinds, "of robust: these outliers alone, such as random,\"at one place\",echoes")
       ->delimiter(',');
   command->add_option("--shares", arguments.shares, "of robust: these alone, such as 0.1,3")->delimiter(',');
@@ -93,11 +93,16 @@ bool run_suite(const Suite& suite, const RunnerOptions& options, Journal& journa
 int bench(const BenchArguments& arguments, Terminal& terminal) {
   const std::vector<Suite> chosen = suites_of(arguments.suites);
   const RunnerOptions options = runner_options(arguments);
-  const bool are_chosen = !(options.graphs.empty() && options.kinds.empty() && options.methods.empty() && options.shares.empty());
-  for (const Suite& suite : chosen)
-    if ((are_chosen || !options.write_to.empty()) && std::string(suite.name) != "robust")
-      fail<BadOption>("--graphs, --kinds, --shares, --methods and --write are options of the suite robust alone; ", suite.name,
-                      " has none of them");
+  const bool of_robust = !(options.kinds.empty() && options.methods.empty() && options.shares.empty() && options.write_to.empty());
+  for (const Suite& suite : chosen) {
+    const std::string name = suite.name;
+    if (of_robust && name != "robust")
+      fail<BadOption>("--kinds, --shares, --methods and --write are options of the suite robust alone; ", name, " has none of them");
+    if (!options.graphs.empty() && name != "robust" && name != "incremental")
+      fail<BadOption>("--graphs is an option of the suites robust and incremental; ", name, " does not have it");
+    if (!options.sizes.empty() && name != "network")
+      fail<BadOption>("--sizes is an option of the suite network alone; ", name, " does not have it");
+  }
   std::error_code error;
   fs::create_directories(arguments.out, error);
   if (error) fail<BadFile>("cannot make the directory ", arguments.out, ": ", error.message(), "; give another with --out");

@@ -11,6 +11,7 @@
 namespace holdfast::bench {
 namespace {
 
+constexpr double kLongest = 180;  // seconds that a million nodes may take
 constexpr double kGaps[] = {1e-4, 1e-6};
 
 struct Rival {
@@ -54,6 +55,7 @@ std::vector<Entry> solve_network(const Instance& instance, int nodes, const Runn
       entries.push_back({rival.name, {}, {}});
   Options solver = options.solver;
   solver.threads = 1;
+  solver.time_limit = std::max(solver.time_limit, kLongest);
   solver.trace = true;
   solver.cost_tolerance = 1e-10;
   solver.max_iterations = 10000;

@@ -28,6 +28,8 @@ const std::vector<Suite>& suites() {
        race_networks},
       {"robust", "false loop closures and echoes added to public graphs: losses, GNC, pairwise consistency", false, 1000, no_cases,
        race_robust},
+      {"incremental", "the whole history step by step, updated in place: pose graphs, range data, a generated city of 10,000 poses", false,
+       1000, no_cases, race_incremental},
       {"online", "a sliding window step by step: time, memory over a million steps, consistency", false, 1000, no_cases, race_online},
   };
   return all;

@@ -38,6 +38,7 @@ bool race_ranges(const RunnerOptions& options, Journal& journal, Terminal& termi
 bool race_pose_graphs(const RunnerOptions& options, Journal& journal, Terminal& terminal);
 bool race_networks(const RunnerOptions& options, Journal& journal, Terminal& terminal);
 bool race_robust(const RunnerOptions& options, Journal& journal, Terminal& terminal);
+bool race_incremental(const RunnerOptions& options, Journal& journal, Terminal& terminal);
 bool race_online(const RunnerOptions& options, Journal& journal, Terminal& terminal);
 
 /// Where the research data is ($HOLDFAST_DATA, or shared/data beside the source tree or the working directory); "" where it is not.

@@ -1,0 +1,131 @@
+// The whole history of a robot, or of many, solved anew at every step in place: an incremental smoother.
+//
+//   Incremental smoother;
+//   smoother.insert(x(0), Pose2());
+//   smoother.add(Prior<Pose2>::from_sigmas(Pose2(), {0.1, 0.1, 0.02}), {x(0)});
+//   while (…) {
+//     smoother.insert(x(k), guess);                                     // new variables with where they begin,
+//     const FactorId id = smoother.add(Between<Pose2>{…}, {x(k - 1), x(k)});  // and new factors
+//     const IncrementalStep& step = smoother.update();
+//     … smoother.at<Pose2>(x(k)) …                                      // the newest estimate
+//   }
+//   smoother.finish();                                                   // to full accuracy
+//
+// How. After Kaess et al., iSAM2 (2012): the factorisation of the linearised problem is a tree of cliques. An update makes those again
+// whose variables the new factors tie, and those above them up to the root; what hangs below stays. A variable whose estimate has moved
+// from where its factors were linearised by more than `relinearize` is linearised anew there. Variables of the newest factors are
+// eliminated last, near the root. When eliminating again has cost `reorder` times a whole factorisation, all is ordered afresh.
+// Losses are re-weighted where their factors are linearised anew (iteratively re-weighted least squares).
+//
+// Accuracy. update() takes Gauss–Newton steps until none of the variables it changed is further than `relinearize` from where it was
+// linearised. Where `most_steps` are not enough (Gauss–Newton runs away from a poor start), irls solves the whole graph, whose steps only
+// ever lower the cost. finish() goes on until the cost no longer falls.
+// Numbers. insert(), add(), remove(), fix() and erase() only note; update() does all of it at once.
+// Threads. One thread at a time. Nothing is shared between objects.
+#pragma once
+
+#include <holdfast/graph/graph.hpp>
+#include <holdfast/solvers/summary.hpp>
+#include <memory>
+
+namespace holdfast {
+
+struct IncrementalOptions {
+  double relinearize = 1e-3;  ///< > 0: of any component of a tangent [m, rad, …], from where a variable was linearised
+  double propagate = 1e-5;    ///< >= 0: parts of the tree whose neighbours moved by less are not solved again
+  int most_steps = 5;         ///< >= 1, of one update
+  double reorder = 20;        ///< > 0: work of updates, in whole factorisations, after which all is ordered afresh
+
+  /// Throws BadOption with field, value and rule.
+  void validate() const;
+};
+
+struct IncrementalStep {
+  int steps = 0;         ///< Gauss–Newton steps
+  int relinearized = 0;  ///< variables
+  int eliminated = 0;    ///< variables eliminated again, of all steps
+  bool reordered = false;
+  bool batch = false;  ///< `most_steps` were not enough: irls solved the whole graph
+  double seconds = 0;
+};
+
+/// The graph leaves a direction free: names a variable that it moves. What was added stays; add a prior or a measurement and update again.
+class Underdetermined : public Error {
+ public:
+  using Error::Error;
+};
+
+class Incremental {
+ public:
+  explicit Incremental(IncrementalOptions options = {});
+  ~Incremental();
+  Incremental(Incremental&&) noexcept;
+  Incremental& operator=(Incremental&&) noexcept;
+
+  /// A new variable. Throws BadKey where there is one.
+  template <class V>
+  void insert(Key key, const V& value) {
+    start_.insert(key, value);
+    new_keys_.push_back(key);
+  }
+  /// A new factor. Throws what Graph::add throws, and BadKey and BadType where a key has no variable, or one of another type.
+  template <class F>
+  FactorId add(const F& factor, const Graph::Keys<F>& keys) {
+    return entered(graph_.add(factor, keys));
+  }
+  template <class F>
+  FactorId add(const F& factor, const Graph::Keys<F>& keys, const Loss& loss) {
+    return entered(graph_.add(factor, keys, loss));
+  }
+  FactorId add(const LinearPrior& prior);
+  /// A variable of other values, and a factor of another graph, whatever they are. Throw as insert() and add() do.
+  void insert_from(const Values& values, Key key);
+  FactorId add_from(const Graph& graph, FactorId id) { return entered(graph_.add_from(graph, id)); }
+  /// Throws BadKey.
+  void remove(FactorId id);
+  /// A fixed variable is a constant; before it is updated for the first time. Throws BadKey.
+  void fix(Key key);
+  /// A variable and all its factors go. Throws BadKey.
+  void erase(Key key);
+  /// They go, and what is known through them stays as LinearPriors on their neighbours (window/marginalize.hpp). Throws BadKey.
+  void marginalize(const std::vector<Key>& keys);
+
+  /// Throws Underdetermined, and BadNumber where a residual or Jacobian is not finite, naming the factor.
+  const IncrementalStep& update();
+  /// Steps until the cost no longer falls: the batch answer.
+  Summary finish();
+
+  const Graph& graph() const { return graph_; }
+  std::size_t size() const;  ///< variables
+  /// The estimate of one variable, or of all (a copy). Throws BadKey, BadType.
+  template <class V>
+  V at(Key key) const {
+    const V& linearized = start_.at<V>(key);
+    const double* delta = delta_of(key);
+    return delta == nullptr ? linearized : linearized.retract(Eigen::Map<const typename V::Tangent>(delta));
+  }
+  Values values() const;
+  double cost() const;
+  /// Joint covariance of these variables, in their order: of the linearised problem at hand. Throws BadKey (fixed ones, too).
+  Eigen::MatrixXd covariance(const std::vector<Key>& keys);
+
+ private:
+  struct State;
+  FactorId entered(FactorId id);
+  const double* delta_of(Key key) const;
+  void enter_variables();
+  void enter_factors();
+  void linearize(FactorId id, const std::vector<int>* known);
+  void solve(bool afresh);
+  void relinearize();
+  Summary solve_batch(double accuracy);
+
+  IncrementalOptions options_;
+  Graph graph_;
+  Values start_;  ///< where each variable was linearised
+  std::vector<Key> new_keys_;
+  std::unique_ptr<State> state_;
+  IncrementalStep step_;
+};
+
+}  // namespace holdfast
