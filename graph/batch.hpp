@@ -78,6 +78,10 @@ class FactorBatch {
   double cost_of(int i, const double* r, double* weights) const;
 
   virtual std::unique_ptr<FactorBatch> clone() const = 0;
+  /// True where a factor of the other batch may stand in this one, under a loss of its family.
+  virtual bool takes_factors_of(const FactorBatch& other) const { return factor_type_ == other.factor_type_; }
+  /// What went wrong in an evaluation since it was last asked (graph/function_factor.hpp), and forgets it; "": nothing.
+  virtual std::string take_error() const { return {}; }
 
  protected:
   friend class Graph;

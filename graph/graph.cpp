@@ -106,13 +106,33 @@ FactorId Graph::add(const LinearPrior& prior) {
   return enter(**it, prior.keys.data(), 1.0, Squared{});
 }
 
+std::vector<FactorId> Graph::add(const std::shared_ptr<const FunctionFactors>& function, const std::vector<Key>& keys, const Loss& loss) {
+  function->validate();
+  const std::size_t arity = function->types.size();
+  if (keys.size() % arity != 0)
+    fail<BadKey>(function->name, ": ", keys.size(), " keys are no multiple of the ", arity, " variables of a factor");
+  for (std::size_t i = 0; i < keys.size(); i += arity)
+    check_new([] { return std::string("Function"); }, &keys[i], arity, loss, function->residual_dim, 1.0);
+  auto it = std::find_if(batches_.begin(), batches_.end(), [&](const auto& one) {
+    const auto* functions = dynamic_cast<const FunctionBatch*>(one.get());
+    return functions != nullptr && functions->function() == function && one->family().is_of_family(loss);
+  });
+  if (it == batches_.end()) it = batches_.insert(it, std::make_unique<FunctionBatch>(function, loss));
+  std::vector<FactorId> ids;
+  for (std::size_t i = 0; i < keys.size(); i += arity) {
+    static_cast<FunctionBatch&>(**it).push(function->given++);
+    ids.push_back(enter(**it, &keys[i], 1.0, loss));
+  }
+  return ids;
+}
+
 FactorId Graph::add_from(const Graph& other, FactorId id) {
   const Place from = other.checked(id);
   const FactorBatch& batch = *other.batches_[from.batch];
   if (batch.factor_type() == typeid(LinearPrior)) return add(static_cast<const LinearPriorBatch&>(batch).prior());
   const Loss& loss = batch.loss(from.index);
   auto to = std::find_if(batches_.begin(), batches_.end(),
-                         [&](const auto& one) { return one->factor_type() == batch.factor_type() && one->family().is_of_family(loss); });
+                         [&](const auto& one) { return one->takes_factors_of(batch) && one->family().is_of_family(loss); });
   if (to == batches_.end()) to = batches_.insert(to, batch.make_empty(loss));
   (*to)->push_from(batch, from.index);
   return enter(**to, batch.keys(from.index), batch.weight(from.index), loss);
@@ -183,9 +203,8 @@ void Graph::set_loss(FactorId id, const Loss& loss) {
   FactorBatch& batch = *batches_[from.batch];
   validate_loss(batch, loss);
   if (batch.family().is_of_family(loss) || batch.size() == 1) return batch.set_loss_of(from.index, loss);
-  auto to = std::find_if(batches_.begin(), batches_.end(), [&](const auto& other) {
-    return other->factor_type() == batch.factor_type() && other->family().is_of_family(loss);
-  });
+  auto to = std::find_if(batches_.begin(), batches_.end(),
+                         [&](const auto& other) { return other->takes_factors_of(batch) && other->family().is_of_family(loss); });
   if (to == batches_.end()) to = batches_.insert(to, batch.make_empty(loss));
   (*to)->push_from(batch, from.index);
   (*to)->push_entries(batch.keys(from.index), batch.weight(from.index), loss, id.number);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <holdfast/graph/detail/factor_type.hpp>
+#include <holdfast/graph/function_factor.hpp>
 #include <holdfast/graph/keys.hpp>
 #include <holdfast/graph/linear_prior.hpp>
 #include <optional>
@@ -57,6 +58,8 @@ class Graph {
   }
   /// The factor of run-time size (graph/linear_prior.hpp). Throws BadNumber, BadKey.
   FactorId add(const LinearPrior& prior);
+  /// Factors of run-time functions (graph/function_factor.hpp): as many as keys.size() / types.size(). Throws BadOption, BadKey.
+  std::vector<FactorId> add(const std::shared_ptr<const FunctionFactors>& function, const std::vector<Key>& keys, const Loss& loss = {});
   /// A copy of a factor of another graph, whatever it is, with its loss and weight. Throws BadKey.
   FactorId add_from(const Graph& other, FactorId id);
   void remove(FactorId id);

@@ -20,6 +20,8 @@ using namespace nb::literals;
 void bind_variables(nb::module_& m);
 void bind_graph(nb::module_& m);
 void bind_factors(nb::module_& m);
+void bind_functions(nb::class_<Graph>& graph);
+void bind_incremental(nb::module_& m);
 void bind_solvers(nb::module_& m);
 
 template <class T>

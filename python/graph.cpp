@@ -60,6 +60,8 @@ void bind_graph(nb::module_& m) {
       .def(
           "erase", [](Values& v, Key key) { v.erase(key); }, "key"_a)
       .def("keys", &Values::keys, "sorted")
+      .def(
+          "__iter__", [](const Values& v) { return nb::iter(nb::cast(v.keys())); }, "over the keys, sorted")
       .def("__contains__", [](const Values& v, Key key) { return v.contains(key); })
       .def("__len__", &Values::size)
       .def("__repr__", [](const Values& v) { return printed(v); });
@@ -68,8 +70,8 @@ void bind_graph(nb::module_& m) {
   nb::class_<FactorId>(m, "FactorId").def_ro("number", &FactorId::number).def("__repr__", [](FactorId id) {
     return "FactorId(" + std::to_string(id.number) + ")";
   });
-  nb::class_<Graph>(m, "Graph")
-      .def(nb::init<>())
+  nb::class_<Graph> graph(m, "Graph");
+  graph.def(nb::init<>())
       .def(
           "__init__", [](Graph* to, const Graph& from) { new (to) Graph(from); }, "other"_a)
       .def("remove", &Graph::remove, "id"_a)
@@ -84,6 +86,7 @@ void bind_graph(nb::module_& m) {
       .def("factors_on", &Graph::factors_on, "key"_a)
       .def("__len__", &Graph::size)
       .def("__repr__", [](const Graph& g) { return printed(g); });
+  bind_functions(graph);
 
   nb::class_<Finding>(m, "Finding")
       .def_ro("text", &Finding::text)
@@ -91,6 +94,7 @@ void bind_graph(nb::module_& m) {
       .def_prop_ro("kind", [](const Finding& f) { return std::string(to_string(f.kind)); })
       .def_prop_ro("is_error", [](const Finding& f) { return f.severity == Finding::Severity::error; })
       .def("__repr__", [](const Finding& f) { return f.text; });
+  m.def("merged", &merged, "findings"_a, "findings that say the same of many keys as one");
   m.def("check", nb::overload_cast<const Graph&, const Values&>(&check), "graph"_a, "values"_a, "what is wrong with a problem, by name");
 }
 

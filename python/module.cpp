@@ -6,4 +6,5 @@ NB_MODULE(_core, m) {
   holdfast::python::bind_graph(m);
   holdfast::python::bind_factors(m);
   holdfast::python::bind_solvers(m);
+  holdfast::python::bind_incremental(m);
 }

@@ -74,6 +74,23 @@ void bind_solvers(nb::module_& m) {
       .def_ro("gradient_norm", &Summary::gradient_norm)
       .def_ro("iterations", &Summary::iterations)
       .def_ro("seconds", &Summary::seconds)
+      .def_ro("restarts", &Summary::restarts)
+      .def_ro("is_convex", &Summary::is_convex, "every factor and loss is convex: what converged is the global minimum")
+      .def_ro("decrement", &Summary::decrement, "of a convex problem what the cost lies above its minimum by, about; NaN where unknown")
+      .def_prop_ro(
+          "minimum", [](const Summary& s) { return std::string(to_string(s.minimum)); },
+          "'second-order minimum', 'left a saddle', or 'not checked'")
+      .def_ro("not_checked", &Summary::not_checked, "why, where it was not")
+      .def_ro("saddles_left", &Summary::saddles_left)
+      .def_ro("findings", &Summary::findings, "what check() finds at the answer, where asked for")
+      .def_prop_ro(
+          "trace",
+          [](const Summary& s) {
+            nb::list all;
+            for (const Iteration& i : s.trace) all.append(nb::make_tuple(i.number, i.cost, i.gradient_norm, i.seconds));
+            return all;
+          },
+          "(number, cost, gradient norm, seconds) of each iteration, where asked for")
       .def("__repr__", &Summary::str);
   nb::class_<Backend>(m, "Backend")
       .def_prop_ro("name", &Backend::name)
@@ -84,19 +101,23 @@ void bind_solvers(nb::module_& m) {
   m.def("backend_names", &backend_names);
   m.def(
       "make_backend",
-      [](const std::string& name, int max_iterations, double cost_tolerance, double gradient_tolerance, int threads, double time_limit) {
+      [](const std::string& name, int max_iterations, double cost_tolerance, double gradient_tolerance, int threads, double time_limit,
+         bool second_order, bool findings, bool trace) {
         Options options;
         options.max_iterations = max_iterations;
         options.cost_tolerance = cost_tolerance;
         options.gradient_tolerance = gradient_tolerance;
         options.threads = threads;
         options.time_limit = time_limit;
+        options.second_order = second_order;
+        options.findings = findings;
+        options.trace = trace;
         options.validate();
         return make_backend(name, options).release();
       },
       "name"_a = "irls", "max_iterations"_a = 0, "cost_tolerance"_a = 1e-6, "gradient_tolerance"_a = 1e-10, "threads"_a = 1,
-      "time_limit"_a = std::numeric_limits<double>::infinity(), nb::rv_policy::take_ownership,
-      "'gnc-irls' is irls in graduated non-convexity, and so with every name");
+      "time_limit"_a = std::numeric_limits<double>::infinity(), "second_order"_a = false, "findings"_a = false, "trace"_a = false,
+      nb::rv_policy::take_ownership, "'gnc-irls' is irls in graduated non-convexity, and so with every name");
 
   nb::class_<Marginals>(m, "Marginals")
       .def(nb::init<const Graph&, const Values&>(), "graph"_a, "values"_a)

@@ -11,6 +11,12 @@ Summary Backend::solve(const Graph& graph, Values& values) {
   if (graph.size() == 0) fail<BadProblem>("the graph has no factors; add measurements before solving");
   scratch_ = values;
   Summary summary = minimize(graph, scratch_);
+  for (const auto& batch : graph.batches())
+    if (const std::string error = batch->take_error(); !error.empty()) {
+      summary.termination = Termination::failed;
+      summary.rule = "a factor's function threw";
+      summary.culprit = batch->name() + ": " + error;
+    }
   if (scratch_.structure() != values.structure()) {
     summary.termination = Termination::failed;
     summary.rule = "the back-end added or erased variables";

@@ -11,7 +11,7 @@ A key is a Key, or its text: "A11", "r1234:7".
 """
 from . import _core
 from ._core import *  # noqa: F401,F403
-from ._core import Graph, Key, Loss
+from ._core import Graph, Incremental, Key, Loss, Values
 
 
 class Template:
@@ -87,6 +87,39 @@ def _add_many(self, factor_type, keys, *fields, loss=None, weight=None):
     return ids
 
 
+_add_function_of_core = Graph.add_function
+
+
+def _add_function(self, function, types, keys, residual_dim, loss=None, **more):
+    rows = [[_key(k) for k in row] for row in keys]
+    return _add_function_of_core(self, function, types, rows, residual_dim, Loss("squared") if loss is None else _loss(loss), **more)
+
+
+_add_function.__doc__ = _add_function_of_core.__doc__
+
+
+def _insert(self, key, value):
+    """A new variable, with where it begins."""
+    values = Values()
+    values.insert(_key(key), value)
+    self.insert_from(values, _key(key))
+
+
+def _add_to_incremental(self, factor, keys, loss=None, weight=None):
+    """A new factor; loss and weight as in Graph.add. Returns its FactorId."""
+    graph = Graph()
+    return self.add_from(graph, _add(graph, factor, keys, loss, weight))
+
+
+def _at(self, key):
+    """The estimate of one variable."""
+    return self.values()[_key(key)]
+
+
 _enter_factors()
 Graph.add = _add
 Graph.add_many = _add_many
+Graph.add_function = _add_function
+Incremental.insert = _insert
+Incremental.add = _add_to_incremental
+Incremental.at = _at

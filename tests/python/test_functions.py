@@ -1,0 +1,157 @@
+"""Python functions as factors, and the incremental smoother."""
+import gc
+import math
+import sys
+
+import holdfast as hf
+import numpy as np
+import pytest
+
+
+def problem():
+    """Poses with priors that range to three points: graph, values, keys and distances."""
+    rng = np.random.default_rng(1)
+    graph, values = hf.Graph(), hf.Values()
+    points = rng.uniform(-10, 10, (3, 2))
+    for j, p in enumerate(points):
+        values.insert(f"L{j}", hf.Point2(*p))
+    keys, distances = [], []
+    for i in range(40):
+        x, y, t = rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(-3, 3)
+        values.insert(f"x{i}", hf.Pose2(x, y, t))
+        graph.add(hf.Prior[hf.Pose2].from_sigmas(hf.Pose2(x, y, t), [0.5, 0.5, 0.1]), [f"x{i}"])
+        for j, p in enumerate(points):
+            keys.append([f"x{i}", f"L{j}"])
+            distances.append(math.hypot(*(p - [x, y])) + rng.uniform(-0.3, 0.3))
+    return graph, values, keys, np.array(distances)
+
+
+def ranges(distances):
+    def residual(which, pose, point):
+        return (np.linalg.norm(point - pose[:, :2], axis=1) - distances[which]) / 0.1
+
+    return residual
+
+
+def ranges_with_jacobian(distances):
+    def residual(which, pose, point):
+        x = point - pose[:, :2]
+        d = np.linalg.norm(x, axis=1)
+        u = x / d[:, None] / 0.1
+        return (d - distances[which]) / 0.1, np.c_[-u, np.zeros(len(d))][:, None, :], u[:, None, :]
+
+    return residual
+
+
+def cost_with_factors(loss):
+    graph, values, keys, distances = problem()
+    graph.add_many(hf.Range[hf.Pose2, hf.Point2], keys, distances, 0.1, loss=loss)
+    return hf.make_backend("irls", cost_tolerance=1e-12).solve(graph, values).cost
+
+
+@pytest.mark.parametrize("loss", ["squared", "huber:2"])
+@pytest.mark.parametrize("name", ["irls", "nesterov", "gnc-irls"])
+def test_every_backend_ends_where_the_factors_do(name, loss):
+    expected = cost_with_factors(loss)
+    for jacobian in (False, True):
+        graph, values, keys, distances = problem()
+        function = (ranges_with_jacobian if jacobian else ranges)(distances)
+        graph.add_function(function, [hf.Pose2, hf.Point2], keys, 1, loss=loss, jacobian=jacobian)
+        end = hf.make_backend(name, cost_tolerance=1e-12, threads=2).solve(graph, values)
+        assert end.usable, end
+        assert end.cost == pytest.approx(expected, rel=1e-5)
+
+
+def test_factor_by_factor():
+    graph, values, keys, distances = problem()
+
+    def one(which, pose, point):
+        return (math.hypot(*(point - pose[:2])) - distances[which]) / 0.1
+
+    graph.add_function(one, [hf.Pose2, hf.Point2], keys, 1, vectorized=False)
+    assert hf.make_backend("irls", cost_tolerance=1e-12).solve(graph, values).cost == pytest.approx(cost_with_factors("squared"), rel=1e-5)
+
+
+def test_an_exception_ends_the_solve_and_the_values_stay():
+    graph, values, keys, distances = problem()
+    graph.add_function(lambda which, pose, point: 1 / 0, [hf.Pose2, hf.Point2], keys, 1, name="Broken")
+    before = repr(values)
+    end = hf.make_backend("irls").solve(graph, values)
+    assert end.termination == "failed"
+    assert "Broken" in end.why and "ZeroDivisionError" in end.why
+    assert repr(values) == before
+
+
+@pytest.mark.parametrize("bad, said", [
+    (lambda which, pose, point: np.zeros((len(which), 2)), "shape"),
+    (lambda which, pose, point: "nothing", "could not convert"),
+    (lambda which, pose, point: None, ""),
+    (lambda which: 0, "positional argument"),
+    (lambda which, pose, point: np.full(len(which), np.nan), ""),
+])
+def test_wrong_shapes_and_types_are_said(bad, said):
+    graph, values, keys, _ = problem()
+    graph.add_function(bad, [hf.Pose2, hf.Point2], keys, 1)
+    end = hf.make_backend("irls").solve(graph, values)
+    assert end.termination == "failed"
+    assert said in end.why
+
+
+def test_what_is_no_function_is_refused():
+    graph = hf.Graph()
+    with pytest.raises(TypeError):
+        graph.add_function(3, [hf.Pose2], [["x0"]], 1)
+    with pytest.raises(TypeError):
+        graph.add_function(lambda *a: 0, [int], [["x0"]], 1)
+    with pytest.raises(hf.BadKey):
+        graph.add_function(lambda *a: 0, [hf.Pose2], [["x0", "x1"]], 1)
+    with pytest.raises(hf.BadOption):
+        graph.add_function(lambda *a: 0, [hf.Pose2], [["x0"]], 0)
+    assert len(graph) == 0
+
+
+def test_references_are_let_go():
+    graph, values, keys, distances = problem()
+    function = ranges(distances)
+    count = sys.getrefcount(function)
+    graph.add_function(function, [hf.Pose2, hf.Point2], keys, 1)
+    for _ in range(50):
+        hf.make_backend("gnc-irls").solve(hf.Graph(graph), hf.Values(values))
+    del graph
+    gc.collect()
+    assert sys.getrefcount(function) == count
+
+
+def test_incremental_is_the_batch_answer():
+    smoother = hf.Incremental()
+    smoother.insert("x0", hf.Pose2(0, 0, 0))
+    smoother.add(hf.Prior[hf.Pose2].from_sigmas(hf.Pose2(0, 0, 0), [0.1, 0.1, 0.05]), ["x0"])
+    step = hf.Pose2(1, 0, 0.3)
+    for k in range(1, 20):
+        smoother.insert(f"x{k}", smoother.at(f"x{k - 1}") * step)
+        smoother.add(hf.Between[hf.Pose2].from_sigmas(step, [0.05, 0.05, 0.02]), [f"x{k - 1}", f"x{k}"])
+        if k == 19:
+            smoother.add(hf.Between[hf.Pose2].from_sigmas(hf.Pose2(-1, 0, 5.9), [0.05, 0.05, 0.02]), ["x0", "x19"], loss="huber:2")
+        smoother.update()
+    smoother.finish()
+    values = smoother.values()
+    end = hf.make_backend("irls", cost_tolerance=1e-12).solve(smoother.graph, values)
+    assert smoother.cost() == pytest.approx(end.cost, rel=1e-6)
+    assert smoother.covariance([hf.Key("x19")]).shape == (3, 3)
+    smoother.insert("L0", hf.Point2(1, 2))
+    with pytest.raises(hf.Underdetermined, match="L0"):
+        smoother.add(hf.Range[hf.Pose2, hf.Point2](2.0, 0.1), ["x0", "L0"])
+        smoother.update()
+
+
+def test_summary_says_what_is_known_of_the_end():
+    graph, values = hf.Graph(), hf.Values()
+    for i, p in enumerate([(0, 0), (10, 0), (5, 0)]):
+        values.insert(f"L{i}", hf.Point2(*p))
+        graph.fix(hf.Key(f"L{i}"))
+        graph.add(hf.Range[hf.Point2, hf.Point2](5.0 if i == 2 else 7.07, 0.1), ["N0", f"L{i}"])
+    values.insert("N0", hf.Point2(5.5, 0))
+    end = hf.make_backend("irls", second_order=True, findings=True, trace=True).solve(graph, values)
+    assert end.minimum == "left a saddle" and end.saddles_left == 1
+    assert [f.kind for f in end.findings] == ["mirror image"]
+    assert end.trace and not end.is_convex
