@@ -3,6 +3,7 @@
 #include <holdfast/benchmarks/bench_runner.hpp>
 #include <holdfast/common/machine.hpp>
 #include <holdfast/common/report.hpp>
+#include <holdfast/program/output.hpp>
 #include <holdfast/program/program.hpp>
 
 namespace holdfast::program {
@@ -37,6 +38,9 @@ CLI::App* add_bench(CLI::App& app, BenchArguments& arguments) {
       ->delimiter(',')
       ->check(CLI::Range(10, 10000000));
   command->add_option("--write", arguments.write_to, "of robust: a directory for its pose graphs as g2o files, for benchmarks/peers");
+  add_json(*command, arguments.json, "the lines of this commit of the suites that were run, those of the results' files, once more");
+  add_examples(*command, {"holdfast bench", "holdfast bench scenarios --backend irls,ceres --out before",
+                          "holdfast bench robust --graphs intel --kinds random --shares 0.1 --runs 3"});
   return command;
 }
 
@@ -91,6 +95,7 @@ bool run_suite(const Suite& suite, const RunnerOptions& options, Journal& journa
 }  // namespace
 
 int bench(const BenchArguments& arguments, Terminal& terminal) {
+  check_json(arguments.json);
   const std::vector<Suite> chosen = suites_of(arguments.suites);
   const RunnerOptions options = runner_options(arguments);
   const bool of_robust = !(options.kinds.empty() && options.methods.empty() && options.shares.empty() && options.write_to.empty());
@@ -107,11 +112,15 @@ int bench(const BenchArguments& arguments, Terminal& terminal) {
   fs::create_directories(arguments.out, error);
   if (error) fail<BadFile>("cannot make the directory ", arguments.out, ": ", error.message(), "; give another with --out");
   bool all_is_well = true;
+  std::vector<Json> lines;
   for (const Suite& suite : chosen) {
     Journal journal((fs::path(arguments.out) / (std::string(suite.name) + ".jsonl")).string());
     const bool is_well = suite.race != nullptr ? suite.race(options, journal, terminal) : run_suite(suite, options, journal, terminal);
     all_is_well = all_is_well && is_well;
+    for (const Json& line : journal.lines())
+      if (line.value("commit", "") == commit()) lines.push_back(line);
   }
+  write_json(arguments.json, lines, terminal);
   return all_is_well ? kDone : kFailed;
 }
 

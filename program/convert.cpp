@@ -7,6 +7,7 @@
 #include <holdfast/graph/files/files.hpp>
 #include <holdfast/graph/files/jrl.hpp>
 #include <holdfast/graph/files/tum.hpp>
+#include <holdfast/program/output.hpp>
 #include <holdfast/program/program.hpp>
 
 namespace holdfast::program {
@@ -19,6 +20,8 @@ CLI::App* add_convert(CLI::App& app, ConvertArguments& arguments) {
   command->add_option("--to", arguments.to, "the format, where the name of OUT does not say it")
       ->check(CLI::IsMember({"g2o", "pyfg", "toro", "jrl", "tum"}));
   add_reading(*command, arguments.reading);
+  add_json(*command, arguments.json, "one JSON object");
+  add_examples(*command, {"holdfast convert plaza2.pyfg plaza2.jrl", "holdfast convert intel.g2o trajectories --to tum"});
   return command;
 }
 
@@ -55,11 +58,20 @@ std::vector<std::string> write_converted(const std::string& path, const Dataset&
 }
 
 int convert(const ConvertArguments& arguments, Terminal& terminal) {
+  check_json(arguments.json);
   const Dataset dataset = read_any(arguments.in, read_options(arguments.reading));
-  for (const Finding& finding : check(dataset)) terminal.err << "holdfast: warning: " << finding.text << '\n';
-  for (const std::string& note : write_converted(arguments.out, dataset, arguments.to)) terminal.err << "holdfast: note: " << note << '\n';
-  terminal.out << arguments.in << ": " << use_report(dataset, odometry_rule(arguments.reading.odometry)) << '\n'
-               << "written: " << arguments.out << '\n';
+  const std::string used = use_report(dataset, odometry_rule(arguments.reading.odometry));
+  Json json{{"in", arguments.in}, {"out", arguments.out}, {"read", used}, {"warnings", Json::array()}, {"notes", Json::array()}};
+  for (const Finding& finding : check(dataset)) {
+    terminal.err << "holdfast: warning: " << finding.text << '\n';
+    json["warnings"].push_back(finding.text);
+  }
+  for (const std::string& note : write_converted(arguments.out, dataset, arguments.to)) {
+    terminal.err << "holdfast: note: " << note << '\n';
+    json["notes"].push_back(note);
+  }
+  terminal.out << arguments.in << ": " << used << '\n' << "written: " << arguments.out << '\n';
+  write_json(arguments.json, {json}, terminal);
   return kDone;
 }
 

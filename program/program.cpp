@@ -6,6 +6,8 @@
 #include <holdfast/common/log.hpp>
 #include <holdfast/common/machine.hpp>
 #include <holdfast/graph/max_mixture.hpp>
+#include <holdfast/program/completion.hpp>
+#include <holdfast/program/output.hpp>
 #include <holdfast/program/program.hpp>
 #include <holdfast/solvers/table.hpp>
 #include <iostream>
@@ -37,6 +39,18 @@ std::vector<std::string> backends_of(const std::string& list) {
   return chosen;
 }
 
+namespace {
+
+/// Whether the command that is run has --json -.
+bool json_goes_to_output(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands())
+    if (const CLI::Option* json = command->get_option_no_throw("--json"); json != nullptr && json->count() > 0)
+      return json->as<std::string>() == "-";
+  return false;
+}
+
+}  // namespace
+
 int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err) {
   register_hosts();
   register_loss<MaxMixture>();
@@ -44,6 +58,9 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
   app.set_version_flag("--version", "holdfast " HOLDFAST_VERSION " (" + commit() + ")");
   bool verbose = false;
   app.add_flag("-v,--verbose", verbose, "log what is going on (stderr)");
+  bool quiet = false;
+  app.add_flag("-q,--quiet", quiet, "no tables and no progress: errors, warnings, the files asked for and the exit code remain");
+  app.footer(help_end());
   app.require_subcommand(1);
   app.fallthrough();
   SolveArguments solve_arguments;
@@ -55,7 +72,11 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
   const CLI::App* check_command = add_check(app, check_arguments);
   ConvertArguments convert_arguments;
   const CLI::App* convert_command = add_convert(app, convert_arguments);
+  SimulateArguments simulate_arguments;
+  const CLI::App* simulate_command = add_simulate(app, simulate_arguments);
   add_bench(app, bench_arguments);
+  CompletionArguments completion_arguments;
+  const CLI::App* completion_command = add_completion(app, completion_arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -63,12 +84,20 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
   }
 
   start_log(verbose);
-  Terminal terminal{out, err, &err == &std::cerr && ::isatty(STDERR_FILENO) != 0};
+  std::ostream nowhere(nullptr);
+  Terminal terminal{quiet || json_goes_to_output(app) ? nowhere : out, err, !quiet && &err == &std::cerr && ::isatty(STDERR_FILENO) != 0,
+                    out};
+  track_arguments.quiet = quiet;
   const auto run_command = [&] {
     if (solve_command->parsed()) return solve(solve_arguments, terminal);
     if (track_command->parsed()) return track(track_arguments, std::cin, terminal);
     if (check_command->parsed()) return check_file(check_arguments, terminal);
     if (convert_command->parsed()) return convert(convert_arguments, terminal);
+    if (simulate_command->parsed()) return simulate_file(simulate_arguments, terminal);
+    if (completion_command->parsed()) {
+      terminal.data << completion(app, completion_arguments.shell);
+      return static_cast<int>(kDone);
+    }
     return bench(bench_arguments, terminal);
   };
   try {

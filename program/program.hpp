@@ -1,7 +1,8 @@
-// The program `holdfast`: solve, track, check, convert, bench. main() only calls run(), so that tests run the same in their own process.
+// The program `holdfast` and its commands. main() only calls run(), so that tests run the same in their own process.
 #pragma once
 
 #include <CLI/App.hpp>
+#include <holdfast/benchmarks/scenarios/simulation.hpp>
 #include <holdfast/benchmarks/suites/suites.hpp>
 #include <iosfwd>
 #include <optional>
@@ -76,6 +77,8 @@ struct TrackArguments {
   std::uint64_t save_every = 100;  ///< steps
   bool resume = false;
   bool strict = false;
+  std::string json;
+  bool quiet = false;  ///< no counts at the end
 };
 CLI::App* add_track(CLI::App& app, TrackArguments& arguments);
 /// Reads `in` where the file is "-".
@@ -84,6 +87,7 @@ int track(const TrackArguments& arguments, std::istream& in, Terminal& terminal)
 struct CheckArguments {
   ReadingArguments reading;
   std::string file;
+  std::string json;
 };
 CLI::App* add_check(CLI::App& app, CheckArguments& arguments);
 int check_file(const CheckArguments& arguments, Terminal& terminal);
@@ -92,11 +96,21 @@ struct ConvertArguments {
   std::string in, out;
   std::string to;
   ReadingArguments reading;
+  std::string json;
 };
 CLI::App* add_convert(CLI::App& app, ConvertArguments& arguments);
 int convert(const ConvertArguments& arguments, Terminal& terminal);
 /// Writes a dataset in the format `to`, else that of the path's ending, else its own; returns what was changed or left out.
 std::vector<std::string> write_converted(const std::string& path, const Dataset& dataset, const std::string& to);
+
+struct SimulateArguments {
+  SimulationOptions simulation;
+  std::string out;
+  std::string vertices = "auto";
+  std::string json;
+};
+CLI::App* add_simulate(CLI::App& app, SimulateArguments& arguments);
+int simulate_file(const SimulateArguments& arguments, Terminal& terminal);
 
 struct BenchArguments {
   std::vector<std::string> suites;
@@ -113,6 +127,7 @@ struct BenchArguments {
   std::vector<double> shares;
   std::vector<int> sizes;
   std::string write_to;
+  std::string json;
 };
 CLI::App* add_bench(CLI::App& app, BenchArguments& arguments);
 int bench(const BenchArguments& arguments, Terminal& terminal);

@@ -3,9 +3,9 @@
 #include <holdfast/common/log.hpp>
 #include <holdfast/common/progress_bar.hpp>
 #include <holdfast/common/report.hpp>
-#include <holdfast/graph/files/atomic.hpp>
 #include <holdfast/graph/files/tum.hpp>
 #include <holdfast/program/loop_filter.hpp>
+#include <holdfast/program/output.hpp>
 #include <holdfast/program/program.hpp>
 #include <holdfast/program/rejected.hpp>
 #include <holdfast/program/second_look.hpp>
@@ -38,7 +38,7 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
   command->add_option("--tolerance", arguments.tolerance, "relative decrease of the cost that ends a solve")->capture_default_str();
   command->add_option("--time-limit", arguments.time_limit, "seconds a solve; 0: none")->capture_default_str();
   command->add_option("--seed", arguments.seed, "of the landmarks' start under --start odometry")->capture_default_str();
-  command->add_option("--json", arguments.json, "write one JSON object a run, one a line");
+  add_json(*command, arguments.json, "one JSON object a run, one a line,");
   command->add_flag("--gnc", arguments.gnc,
                     "graduated non-convexity around every back-end (gnc-irls, …); loss truncated_squares unless another is given");
   command
@@ -65,6 +65,9 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
       "the format");
   add_reading(*command, arguments.reading);
   command->add_option("--tum", arguments.tum, "write the trajectories to DIR/<file>_<back-end>/<agent>.tum");
+  add_examples(*command,
+               {"holdfast solve plaza2.pyfg --start odometry --loss huber:2", "holdfast solve intel.g2o --gnc --output answer.g2o",
+                "holdfast solve *.g2o --backend irls --quiet --json - | jq .cost"});
   return command;
 }
 
@@ -104,10 +107,7 @@ Plan plan_of(const SolveArguments& arguments) {
   if (arguments.time_limit != 0) plan.options.time_limit = arguments.time_limit;
   plan.options.second_order = arguments.second_order;
   plan.options.validate();
-  const fs::path json = arguments.json;
-  if (!json.empty() && fs::is_directory(json)) fail<BadOption>("--json ", arguments.json, " is a directory; name a file");
-  if (!json.empty() && json.has_parent_path() && !fs::is_directory(json.parent_path()))
-    fail<BadOption>("--json ", arguments.json, ": there is no directory ", json.parent_path().string(), "; make it first");
+  check_json(arguments.json);
   return plan;
 }
 
@@ -136,7 +136,7 @@ class Solver {
     const std::vector<std::string> stems = stems_of(arguments_.files);
     for (std::size_t i = 0; i < stems.size(); ++i) try_file(arguments_.files[i], stems[i]);
     bar_.clear();
-    write_json();
+    write_json(arguments_.json, lines_, terminal_);
     return all_is_well_ ? kDone : kFailed;
   }
 
@@ -273,15 +273,6 @@ class Solver {
   }
 
   /// Whole, or not there: without a run there is nothing to say, and what an earlier call left would be mistaken for this one's.
-  void write_json() const {
-    if (arguments_.json.empty()) return;
-    std::string text;
-    for (const Json& line : lines_) text += to_line(line);
-    if (!text.empty())
-      atomic_write(arguments_.json, text);
-    else if (fs::is_regular_file(arguments_.json))
-      fs::remove(arguments_.json);
-  }
 
   const SolveArguments& arguments_;
   Plan plan_;

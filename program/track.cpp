@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <holdfast/graph/files/internal/text.hpp>
 #include <holdfast/graph/files/tum.hpp>
+#include <holdfast/program/output.hpp>
 #include <holdfast/program/program.hpp>
 #include <holdfast/program/pyfg_lines.hpp>
 #include <holdfast/program/tracker.hpp>
@@ -42,6 +43,8 @@ CLI::App* add_track(CLI::App& app, TrackArguments& arguments) {
   command->add_option("--save-every", arguments.save_every, "steps")->check(CLI::PositiveNumber)->capture_default_str();
   command->add_flag("--resume", arguments.resume, "go on from the file of --save, if it is there, with the line after the last one taken");
   command->add_flag("--strict", arguments.strict, "a malformed line ends the program; else it is reported, counted and skipped");
+  add_json(*command, arguments.json, "the counts of the end as one JSON object");
+  add_examples(*command, {"holdfast track goats_14.pyfg --lag 10", "radio | holdfast track - --save window.bin --resume > states.jsonl"});
   return command;
 }
 
@@ -83,6 +86,7 @@ TrackOptions options_of(const TrackArguments& arguments, std::ostream& err) {
   options.landmark_sigma = arguments.landmark_sigma;
   options.trust = arguments.trust;
   options.window.validate();
+  check_json(arguments.json);
   if (arguments.resume && arguments.save.empty()) fail<BadOption>("--resume goes on from the file that --save names; give it, too");
   return options;
 }
@@ -124,10 +128,11 @@ class Track {
   }
   int end() {
     if (terminated == 0) tracker_.finish();
-    terminal_.out.flush();
+    terminal_.data.flush();
     save();
-    report();
-    if (!terminal_.out) fail<BadFile>("cannot write the states: the output is closed or full");
+    if (!arguments_.quiet) report();
+    write_json(arguments_.json, {counts()}, terminal_);
+    if (!terminal_.data) fail<BadFile>("cannot write the states: the output is closed or full");
     return tracker_.counts().failed == 0 ? kDone : kFailed;
   }
 
@@ -154,8 +159,25 @@ class Track {
   }
   void print(const Tracked& state) {
     if (state.leaving != (arguments_.states == "leaving")) return;
-    terminal_.out << (arguments_.format == "tum" ? to_tum({{state.time, state.value}}) : json_of(state));
-    terminal_.out.flush();  // whoever reads a stream wants it now
+    if (arguments_.json == "-") return;  // the counts alone
+    terminal_.data << (arguments_.format == "tum" ? to_tum({{state.time, state.value}}) : json_of(state));
+    terminal_.data.flush();  // whoever reads a stream wants it now
+  }
+  Json counts() const {
+    const TrackCounts& counts = tracker_.counts();
+    const auto known = [](bool is_known, double number) { return is_known ? Json(number) : Json(); };
+    return {{"file", arguments_.file},
+            {"lines", counts.lines},
+            {"measurements", counts.measurements},
+            {"steps", counts.steps},
+            {"malformed", counts.malformed},
+            {"late", counts.late},
+            {"refused", counts.refused},
+            {"withheld", counts.withheld},
+            {"failed", counts.failed},
+            {"rmse", known(counts.scored > 0, counts.rmse())},
+            {"rmse_leaving", known(counts.scored_leaving > 0, counts.rmse_leaving())},
+            {"ended_by_signal", terminated != 0}};
   }
   void report() {
     const TrackCounts& counts = tracker_.counts();

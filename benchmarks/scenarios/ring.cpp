@@ -14,8 +14,8 @@ Pose2 noisy(const Pose2& T, const Vector<3>& sigmas, Random& random) {
 
 }  // namespace
 
-Instance ring(int poses, const Loss& loss, unsigned seed) {
-  constexpr double kRadius = 50, kFalse = 0.3;
+Instance ring(int poses, const Loss& loss, unsigned seed, double false_share) {
+  constexpr double kRadius = 50;
   constexpr Agent A('A');
   const Vector<3> odometry_sigmas(0.05, 0.05, 0.002), closure_sigmas(0.3, 0.3, 0.05);
   Random random(seed);
@@ -40,7 +40,7 @@ Instance ring(int poses, const Loss& loss, unsigned seed) {
   for (int k = 0; k + poses / 2 < poses; k += 5) {
     int from = k, to = k + poses / 2;
     Pose2 seen = noisy(truth[from].inverse() * truth[to], closure_sigmas, random);
-    if (random.chance(kFalse)) {  // two places that look alike
+    if (random.chance(false_share)) {  // two places that look alike
       from = random.index(poses);
       to = (from + 1 + random.index(poses - 1)) % poses;
       seen = noisy(Pose2{}, closure_sigmas, random);

@@ -38,8 +38,14 @@ Instance network(int nodes, unsigned seed);
 Instance formation(double lost, unsigned seed);
 
 /// A pose graph: two laps on a circle of 50 m, a pose Pose2 `A<k>` every two metres or so, odometry, and one closure in five poses between
-/// the laps, 30 % of them false: between two poses anywhere that are claimed to be the same. `loss` is that of the closures. Start: dead
-/// reckoning.
-Instance ring(int poses, const Loss& loss, unsigned seed);
+/// the laps, 30 % of them (`false_share`) false: between two poses anywhere that are claimed to be the same. `loss` is that of the
+/// closures. Start: dead reckoning.
+Instance ring(int poses, const Loss& loss, unsigned seed, double false_share = 0.3);
+
+/// Robots in the plane: poses Pose2 `A<k>`, `B<k>`, … (never L), a step of 1 m and a random turn each, back towards the middle where it is
+/// more than 15 m away; odometry (σ = 0.05 m, 0.01 rad) and a Prior on every first pose. Four beacons Point2 `L0` … `L3` at the corners of
+/// a square of 40 m. A Range (σ = 0.1 m) from every pose to every beacon, and between any two robots at the same step. Start: dead
+/// reckoning, beacons N(0, 1 m) off. 1 to 25 agents, 2 steps or more, else BadOption.
+Instance fleet(int agents, int steps, unsigned seed);
 
 }  // namespace holdfast::bench
