@@ -21,6 +21,7 @@ void bind_variables(nb::module_& m);
 void bind_graph(nb::module_& m);
 void bind_factors(nb::module_& m);
 void bind_functions(nb::class_<Graph>& graph);
+extern PyType_Slot graph_slots[];
 void bind_incremental(nb::module_& m);
 void bind_solvers(nb::module_& m);
 

@@ -132,7 +132,25 @@ std::vector<FactorId> add_function(Graph& graph, nb::object function, const nb::
   return graph.add(factors, flat, loss);
 }
 
+// A graph holds its functions, which may hold the graph: Python's collector has to see them.
+int traverse_graph(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  if (!nb::inst_ready(self)) return 0;
+  for (const auto& batch : nb::inst_ptr<Graph>(self)->batches())
+    if (const auto* functions = dynamic_cast<const FunctionBatch*>(batch.get()))
+      if (const Callee* callee = functions->function()->evaluate.target<Callee>()) Py_VISIT(callee->function->ptr());
+  return 0;
+}
+
+int clear_graph(PyObject* self) {
+  if (nb::inst_ready(self)) *nb::inst_ptr<Graph>(self) = Graph();
+  return 0;
+}
+
 }  // namespace
+
+PyType_Slot graph_slots[] = {
+    {Py_tp_traverse, reinterpret_cast<void*>(traverse_graph)}, {Py_tp_clear, reinterpret_cast<void*>(clear_graph)}, {0, nullptr}};
 
 void bind_functions(nb::class_<Graph>& graph) {
   graph.def("add_function", &add_function, "function"_a, "types"_a, "keys"_a, "residual_dim"_a, "loss"_a = Loss(), "name"_a = "Function",
@@ -140,7 +158,7 @@ void bind_functions(nb::class_<Graph>& graph) {
             R"(Factors whose whitened residual is a Python function, one for each row of `keys`. Returns their ids.
 
 function(which, x0, x1, …) is called for all of them at once: which, an array of n numbers, says for which rows of `keys`; x_k is n × d,
-the coordinates of variable k (Point2: x y; Pose2: x y cos sin; Pose3: rotation matrix and position as its array() has them). It returns
+the coordinates of variable k (Point2: x y; Pose2: x y cos sin; Pose3: x y z and the quaternion x y z w). It returns
 the residuals, n × residual_dim. With jacobian=True it returns (residuals, J0, J1, …), J_k of n × residual_dim × tangent dimension;
 else Jacobians are central differences of 1e-6. With vectorized=False it is called factor by factor, with one number and arrays without
 the dimension n: easier to write, and slower.

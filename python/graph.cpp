@@ -70,7 +70,7 @@ void bind_graph(nb::module_& m) {
   nb::class_<FactorId>(m, "FactorId").def_ro("number", &FactorId::number).def("__repr__", [](FactorId id) {
     return "FactorId(" + std::to_string(id.number) + ")";
   });
-  nb::class_<Graph> graph(m, "Graph");
+  nb::class_<Graph> graph(m, "Graph", nb::type_slots(graph_slots));
   graph.def(nb::init<>())
       .def(
           "__init__", [](Graph* to, const Graph& from) { new (to) Graph(from); }, "other"_a)

@@ -22,6 +22,10 @@ nb::class_<V> bind_variable(nb::module_& m) {
     std::memcpy(static_cast<void*>(&x), state.data(), sizeof(V));
   });
   c.attr("dim") = V::dim;
+  c.attr("ambient") = ambient_dim<V>;
+  if constexpr (space_dim < V >> 0)
+    c.def_prop_ro(
+        "position", [](const V& x) { return Vector<space_dim<V>>(x.position()); }, "in the world [m]");
   return c;
 }
 

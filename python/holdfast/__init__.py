@@ -12,6 +12,7 @@ A key is a Key, or its text: "A11", "r1234:7".
 from . import _core
 from ._core import *  # noqa: F401,F403
 from ._core import Graph, Incremental, Key, Loss, Values
+from ._plot import plot, positions  # noqa: F401
 
 
 class Template:

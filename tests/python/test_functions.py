@@ -2,6 +2,7 @@
 import gc
 import math
 import sys
+import weakref
 
 import holdfast as hf
 import numpy as np
@@ -120,6 +121,30 @@ def test_references_are_let_go():
     del graph
     gc.collect()
     assert sys.getrefcount(function) == count
+
+
+def test_a_graph_that_its_function_holds_is_collected():
+    class Holder:
+        pass
+
+    gone = []
+    for _ in range(3):
+        holder = Holder()
+        holder.graph = hf.Graph()
+        holder.graph.add_function(lambda which, pose, holder=holder: pose[:, :1], [hf.Pose2], [["x0"]], 1)
+        gone.append(weakref.ref(holder))
+    del holder
+    gc.collect()
+    assert [one() for one in gone] == [None] * 3
+
+
+def test_positions_and_plot(tmp_path):
+    pytest.importorskip("plotly")
+    _, values, _, _ = problem()
+    tracks = hf.positions(values)
+    assert tracks["x"][0].shape == (40, 2) and tracks["L"][0].shape == (3, 2)
+    hf.plot(values, tmp_path / "a.html")
+    assert "plotly" in (tmp_path / "a.html").read_text(encoding="utf-8")
 
 
 def test_incremental_is_the_batch_answer():
