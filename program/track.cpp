@@ -2,6 +2,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <holdfast/graph/check.hpp>
 #include <holdfast/graph/files/internal/text.hpp>
 #include <holdfast/graph/files/tum.hpp>
 #include <holdfast/program/output.hpp>
@@ -127,16 +128,24 @@ class Track {
     for (std::string line; terminated == 0 && std::getline(in, line);) take(++number, line, "stdin");
   }
   int end() {
+    const std::vector<Finding> findings = what_is_open();
     if (terminated == 0) tracker_.finish();
     terminal_.data.flush();
     save();
     if (!arguments_.quiet) report();
+    for (const Finding& finding : findings)
+      terminal_.err << "holdfast: warning: " << to_string(finding.kind) << ": " << finding.text << '\n';
     write_json(arguments_.json, {counts()}, terminal_);
     if (!terminal_.data) fail<BadFile>("cannot write the states: the output is closed or full");
     return tracker_.counts().failed == 0 ? kDone : kFailed;
   }
 
  private:
+  /// What the last window leaves open, as `check` says it.
+  std::vector<Finding> what_is_open() const {
+    const Window& window = tracker_.window();
+    return window.graph().size() == 0 ? std::vector<Finding>() : merged(check(window.graph(), window.values()));
+  }
   void take(std::uint64_t number, std::string_view line, const std::string& file) {
     if (skip_ > 0) {
       --skip_;

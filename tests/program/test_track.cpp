@@ -72,6 +72,19 @@ TEST_F(CliTrack, PrintsEachAgentAsItMoves) {
   EXPECT_THAT(outcome.err, HasSubstr("RMSE to the vertices"));
 }
 
+TEST_F(CliTrack, SaysWhatTheLastWindowLeavesOpen) {
+  std::ostringstream text;
+  for (const char* agent : {"A", "B"})  // nothing ties one to the other
+    for (int k = 0; k < 3; ++k) {
+      text << "VERTEX_SE2 " << k << ' ' << agent << k << ' ' << k << " 0 0\n";
+      if (k > 0) text << "EDGE_SE2 " << k - 1 << ' ' << agent << k - 1 << ' ' << agent << k << " 1 0 0 0.0025 0 0 0.0025 0 0.0001\n";
+    }
+  const std::string file = write("apart.pyfg", text.str());
+  const Outcome outcome = holdfast_program({"track", file, "--lag", "5"});
+  EXPECT_EQ(outcome.code, kDone) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("share no factor with the other 1 parts of the graph"));
+}
+
 // Names of other robots of one kind: r1234:0 is written r5299989643264 in files of other programs.
 TEST_F(CliTrack, TellsRobotsOfOneKindApart) {
   const std::string noise = " 0.01 0 0 0.01 0 0.01\n";
