@@ -1,7 +1,12 @@
 #include <algorithm>
+#include <filesystem>
 #include <holdfast/benchmarks/bench_runner.hpp>
+#include <holdfast/common/drawing.hpp>
 #include <holdfast/common/log.hpp>
 #include <holdfast/common/machine.hpp>
+#include <holdfast/graph/files/atomic.hpp>
+#include <limits>
+#include <optional>
 
 namespace holdfast::bench {
 namespace {
@@ -56,21 +61,54 @@ std::vector<Json> Runner::known_lines(const std::vector<Run>& wanted) const {
   return policy_.in_one_run && some_missing ? std::vector<Json>(lines.size()) : lines;
 }
 
-// Every entrant once, then those that were fast again, in turn.
+// Every entrant once, with its trace, then those that were fast again, in turn.
 void Runner::repeat(std::vector<Run*>& runs, const Instance& instance) {
-  Values answer;
+  Values answer, drawn_answer;
+  std::optional<Run> drawn;
+  double least = std::numeric_limits<double>::infinity();
   for (Run* run : runs) {
     Task task = run->task;
     bar_.begin(task.file + " " + task.loss + " " + task.backend);
     task.options.progress = bar_.callback();
+    task.options.trace = true;
     *run = run_task(task, instance, answer);
     run->task.options.progress = nullptr;
+    run->task.options.trace = false;
+    if (run->summary.usable() && run->summary.cost < least) {
+      least = run->summary.cost;
+      drawn = *run;
+      drawn_answer = answer;
+    }
     bar_.done_with_one();
   }
   for (int i = 1; i < options_.repetitions; ++i)
     for (Run* run : runs)
       if (run->seconds.front() < kFast && run->summary.usable())
         run->seconds.push_back(run_task(run->task, instance, answer).summary.seconds);
+  if (drawn) write_drawing(*drawn, instance, drawn_answer);
+}
+
+// Beside the results, not in them: they are large, and say nothing that a table shows.
+void Runner::write_drawing(const Run& run, const Instance& instance, const Values& answer) const {
+  constexpr std::size_t kMost = 1000;
+  namespace fs = std::filesystem;
+  const Task& task = run.task;
+  Json json = to_json(drawing_of(instance.graph, instance.truth, answer, kMost));
+  json["suite"] = suite_.name;
+  json["file"] = task.file;
+  json["loss"] = task.loss;
+  json["start"] = task.start;
+  json["backend"] = task.backend;
+  json["cost"] = run.summary.cost;
+  json["seed"] = task.seed;
+  json["commit"] = commit();
+  std::string name = std::string(suite_.name) + "_" + fs::path(task.file).stem().string() + "_" + task.loss + "_" + task.start;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == '/' || c == ' ' || c == ':'; }, '-');
+  const fs::path folder = fs::path(journal_.path()).parent_path() / "drawings";
+  std::error_code error;
+  fs::create_directories(folder, error);  // where it fails, atomic_write says why
+  atomic_write((folder / (name + ".json")).string(), to_line(json));
 }
 
 void Runner::run(const Case& one, const std::vector<Entrant>& entrants, SuiteResult& result) {

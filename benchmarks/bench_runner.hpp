@@ -67,6 +67,8 @@ class Runner {
   std::vector<Json> known_lines(const std::vector<Run>& wanted) const;
   Json line_of(const Run& run) const;
   void repeat(std::vector<Run*>& runs, const Instance& instance);
+  /// drawings/<suite>_<problem>_<loss>_<start>.json beside the results: the best answer of a case (common/drawing.hpp).
+  void write_drawing(const Run& run, const Instance& instance, const Values& answer) const;
 
   const Suite& suite_;
   Policy policy_;

@@ -16,6 +16,20 @@ Summary refused(const std::exception& error) {
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+/// [[seconds, cost], …]: the first iterations, then every one that is a few per cent later than the last.
+Json trace_json(const std::vector<Iteration>& trace) {
+  constexpr std::size_t kFirst = 100;
+  constexpr double kLater = 1.03;
+  Json points = Json::array();
+  double next = 0;
+  for (std::size_t i = 0; i < trace.size(); ++i) {
+    if (i >= kFirst && i + 1 < trace.size() && trace[i].seconds < next) continue;
+    next = kLater * trace[i].seconds;
+    points.push_back({number(trace[i].seconds), number(trace[i].cost)});
+  }
+  return points;
+}
+
 }  // namespace
 
 Run run_task(const Task& task, const Instance& instance, Values& answer) {
@@ -84,6 +98,7 @@ Json to_json(const Run& run) {
   json["tolerance"] = number(task.options.cost_tolerance);
   json["max_iterations"] = task.options.max_iterations;
   json["time_limit"] = number(task.options.time_limit);
+  if (!s.trace.empty()) json["trace"] = trace_json(s.trace);
   return json;
 }
 

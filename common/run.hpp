@@ -38,7 +38,8 @@ double median(std::vector<double> numbers);
 /// The least of them that 95 of 100 do not exceed.
 double percentile_95(std::vector<double> numbers);
 
-/// One line of results. Unknown and non-finite numbers are null; `seconds` is the median of the repetitions.
+/// One line of results (docs/results_format.md). Unknown and non-finite numbers are null; `seconds` is the median of the repetitions;
+/// `trace` is there where Options::trace was set.
 Json to_json(const Run& run);
 
 /// One line of a .jsonl file, end of line included; bytes of a file name that are no UTF-8 are replaced.

@@ -75,6 +75,12 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
   SimulateArguments simulate_arguments;
   const CLI::App* simulate_command = add_simulate(app, simulate_arguments);
   add_bench(app, bench_arguments);
+  CompareArguments compare_arguments;
+  const CLI::App* compare_command = add_compare(app, compare_arguments);
+  PlotArguments plot_arguments;
+  const CLI::App* plot_command = add_plot(app, plot_arguments);
+  ReportArguments report_arguments;
+  const CLI::App* report_command = add_report(app, report_arguments);
   CompletionArguments completion_arguments;
   const CLI::App* completion_command = add_completion(app, completion_arguments);
   try {
@@ -94,6 +100,9 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
     if (check_command->parsed()) return check_file(check_arguments, terminal);
     if (convert_command->parsed()) return convert(convert_arguments, terminal);
     if (simulate_command->parsed()) return simulate_file(simulate_arguments, terminal);
+    if (compare_command->parsed()) return compare_results(compare_arguments, terminal);
+    if (plot_command->parsed()) return plot(plot_arguments, terminal);
+    if (report_command->parsed()) return report(report_arguments, terminal);
     if (completion_command->parsed()) {
       terminal.data << completion(app, completion_arguments.shell);
       return static_cast<int>(kDone);

@@ -132,6 +132,36 @@ struct BenchArguments {
 CLI::App* add_bench(CLI::App& app, BenchArguments& arguments);
 int bench(const BenchArguments& arguments, Terminal& terminal);
 
+struct CompareArguments {
+  std::string a, b;
+  bool strict = false;
+  std::string json;
+};
+CLI::App* add_compare(CLI::App& app, CompareArguments& arguments);
+int compare_results(const CompareArguments& arguments, Terminal& terminal);
+
+struct PlotArguments {
+  ReadingArguments reading;
+  std::string file, out;
+  std::string backend = "irls";
+  std::string loss = "huber:2";
+  std::string start = "file";
+  unsigned seed = 0;
+  std::string json;
+};
+CLI::App* add_plot(CLI::App& app, PlotArguments& arguments);
+int plot(const PlotArguments& arguments, Terminal& terminal);
+
+struct ReportArguments {
+  std::string directory = "bench-out";
+  std::string page;
+  std::string script;  ///< where report.py lies; "": looked for
+  std::string json;
+};
+CLI::App* add_report(CLI::App& app, ReportArguments& arguments);
+/// Runs the report's Python script on a directory of bench.
+int report(const ReportArguments& arguments, Terminal& terminal);
+
 /// The back-ends of a comma-separated list, each once; "all": ceres, irls, nesterov (those there are), then any other but the variants
 /// of Ceres, which are there to be named. Throws BadOption.
 std::vector<std::string> backends_of(const std::string& list);

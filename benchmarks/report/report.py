@@ -3,7 +3,8 @@
 
     scripts/report [bench-out [bench-out/index.html]]
 
-On top who wins by what factor at equal cost, then profiles, growth, a table for each suite, and the papers. Nothing is fetched from any
+On top who wins by what factor at equal cost, then profiles, growth, a table for each suite with its answers from above (of the directory
+drawings/), cost against time and errors with their 3σ bands, and the papers. Nothing is fetched from any
 host: plotly's script is in the page. Of each file only the lines of its newest commit count. Needs plotly (scripts/report installs it into
 build/venv)."""
 import datetime
@@ -135,6 +136,10 @@ def figure(traces, title, x, y, x_log=True, y_log=False):
     for i, (name, (xs, ys), mode, shape) in enumerate(traces):
         line = {"color": COLOURS[i % len(COLOURS)], "dash": DASHES[i % len(DASHES)], "shape": shape}
         drawn.add_trace(go.Scatter(x=xs, y=ys, name=name, mode=mode, line=line))
+    return shown(drawn, title, x, y, x_log, y_log)
+
+
+def shown(drawn, title, x, y, x_log=False, y_log=False):
     drawn.update_layout(title=title, paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)", font={"color": "#808080", "size": 14},
                         legend={"orientation": "h", "y": -0.25}, margin={"l": 60, "r": 10, "t": 50, "b": 60}, height=420)
     grid = {"gridcolor": "rgba(128,128,128,0.3)", "zeroline": False}
@@ -207,6 +212,73 @@ def solved(found, suite):
                  f"Suite {suite}: every run")
 
 
+def cost_over_time(found, suite):
+    """For each problem of the suite: how far each back-end lay above the best final cost, against time."""
+    parts = []
+    for (of_suite, name, loss, start), runs in found.items():
+        traced = {backend: run["trace"] for backend, run in runs.items() if run.get("trace")}
+        if of_suite != suite or not traced:
+            continue
+        best = min(cost for trace in traced.values() for _, cost in trace if cost is not None)
+        traces = []
+        for backend, trace in sorted(traced.items()):
+            points = [(max(time, 1e-6), max((cost - best) / max(abs(best), 1e-300), 1e-12)) for time, cost in trace if cost is not None]
+            traces.append((backend, tuple(zip(*points)), "lines+markers", "hv"))
+        parts.append(figure(traces, f"{name}, {loss}, start {start}: cost against time", "seconds", "relative excess (1e-12: none)",
+                            y_log=True))
+    return folded(f"Suite {suite}: cost against time, {len(parts)} problems", parts)
+
+
+def folded(title, parts):
+    return f"<details><summary>{html.escape(title)}</summary>{''.join(parts)}</details>" if parts else ""
+
+
+def drawings(folder, suite):
+    """The drawings of a suite that bench left beside its results, of the newest commit among them."""
+    found = []
+    place = os.path.join(folder, "drawings")
+    for name in sorted(os.listdir(place)) if os.path.isdir(place) else []:
+        if name.endswith(".json"):
+            with open(os.path.join(place, name), encoding="utf-8") as file:
+                drawing = json.load(file)
+            if drawing["suite"] == suite:
+                found.append(drawing)
+    return found
+
+
+def from_above(drawing):
+    import plotly.graph_objects as go
+    drawn = go.Figure()
+    ends = [line[i] if i is not None else None for line in drawing["rejected"] for i in (0, 2, None)]
+    heights = [line[i] if i is not None else None for line in drawing["rejected"] for i in (1, 3, None)]
+    if ends:
+        drawn.add_trace(go.Scatter(x=ends, y=heights, name=f"outliers ({len(drawing['rejected'])})", mode="lines",
+                                   line={"color": COLOURS[1], "dash": "dot", "width": 1}))
+    for i, track in enumerate(drawing["tracks"]):
+        mode = "lines" if track["is_way"] else "markers"
+        colour = COLOURS[(0, 2, 3, 4, 5, 6)[i % 6]]
+        if track["truth"]:
+            drawn.add_trace(go.Scatter(x=[p[0] for p in track["truth"]], y=[p[1] for p in track["truth"]], name=f"{track['name']}, true",
+                                       mode=mode, line={"color": "#808080", "dash": "dot"}, marker={"color": "#808080", "symbol": "x"}))
+        drawn.add_trace(go.Scatter(x=[p[0] for p in track["estimate"]], y=[p[1] for p in track["estimate"]], name=track["name"], mode=mode,
+                                   line={"color": colour}, marker={"color": colour}))
+    drawn.update_yaxes(scaleanchor="x")
+    title = f"{stem(drawing['file'])}, {drawing['loss']}, start {drawing['start']}"
+    return shown(drawn, f"{title}: {drawing['backend']}, cost {number(drawing['cost'], '.6g')}", "x [m]", "y [m]")
+
+
+def errors_over_time(line):
+    import plotly.graph_objects as go
+    times, errors, bands = zip(*line["errors"])
+    drawn = go.Figure()
+    around = bands + tuple(-band for band in bands[::-1])
+    drawn.add_trace(go.Scatter(x=times + times[::-1], y=around, name="3σ", fill="toself", mode="lines",
+                               line={"color": COLOURS[5], "width": 1}, fillcolor="rgba(86,180,233,0.3)"))
+    drawn.add_trace(go.Scatter(x=times, y=errors, name="error", mode="lines", line={"color": COLOURS[1]}))
+    within = sum(abs(error) <= band for error, band in zip(errors, bands))
+    return shown(drawn, f"{line['window']}: {within} of {len(errors)} within 3σ", "seconds", "error of x [m]")
+
+
 def robust(lines):
     settings = {}
     for line in lines:
@@ -239,7 +311,8 @@ def paper(suite, lines):
 
 
 def plain(suite, lines):
-    titles = [key for key, value in lines[0].items() if isinstance(value, (int, float, str, bool)) and key not in ("suite", "commit")]
+    titles = list(dict.fromkeys(key for line in lines for key, value in line.items()
+                                if isinstance(value, (int, float, str, bool)) and key not in ("suite", "commit")))
     rows = [[number(line.get(key)) if isinstance(line.get(key), float) else line.get(key, "–") for key in titles] for line in lines]
     return table(titles, rows, f"Suite {suite}")
 
@@ -251,11 +324,16 @@ body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(
 .lead { font-size: 1.25rem; } .wide { overflow-x: auto; margin: 1rem 0; } figure { margin: 1rem 0; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { border-bottom: 1px solid var(--line); padding: .2rem .6rem; text-align: left; white-space: nowrap; }
-td { text-align: right; } @media print { body { max-width: none; } .wide { overflow: visible; } }
+td { text-align: right; } summary { cursor: pointer; padding: .5rem 0; }
+@media print { body { max-width: none; } .wide { overflow: visible; } }
 """
 
+# A figure that was hidden when it was drawn has no width before it is told to look again.
+OPENED = """for (const part of document.querySelectorAll('details'))
+  part.addEventListener('toggle', () => window.dispatchEvent(new Event('resize')));"""
 
-def page(suites, torn):
+
+def page(suites, torn, folder):
     import plotly
     from plotly.offline import get_plotlyjs
     found = problems(suites)
@@ -272,16 +350,20 @@ def page(suites, torn):
         parts.append(f"<h2>{html.escape(suite)}</h2>")
         if any(key[0] == suite for key in found):
             parts.append(solved(found, suite))
+            pictures = [from_above(drawing) for drawing in drawings(folder, suite)]
+            parts.append(folded(f"Suite {suite}: the best answers from above, {len(pictures)} problems", pictures))
+            parts.append(cost_over_time(found, suite))
         elif suite == "robust":
             parts.append(robust(of_suite))
         elif suite.startswith("papers"):
             parts.append(paper(suite, of_suite))
         else:
             parts.append(plain(suite, of_suite))
+            parts += [errors_over_time(line) for line in of_suite if line.get("errors")]
     return ("<!doctype html><html lang=en><head><meta charset=utf-8><meta name=viewport content='width=device-width, initial-scale=1'>"
             f"<title>holdfast: what was measured</title><style>{STYLE}</style><link rel=icon href='data:,'>"
             f"<script>{get_plotlyjs()}</script></head>"
-            f"<body><main><h1>holdfast: what was measured</h1>{''.join(parts)}</main></body></html>")
+            f"<body><main><h1>holdfast: what was measured</h1>{''.join(parts)}</main><script>{OPENED}</script></body></html>")
 
 
 def main(arguments):
@@ -293,7 +375,7 @@ def main(arguments):
     if not suites:
         sys.exit(f"report: {folder} holds no results (*.jsonl); run scripts/bench first")
     try:
-        text = page(suites, torn)
+        text = page(suites, torn, folder)
     except ModuleNotFoundError as missing:
         sys.exit(f"report: {missing}; run scripts/report, which installs it, or pip install plotly")
     try:

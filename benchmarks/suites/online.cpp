@@ -67,6 +67,12 @@ class Fleet {
     const Vector<4> e = truth_[0].local(window_.newest<Motion2>('A'));
     return e.dot(Marginals(window_.graph(), window_.values()).covariance<Motion2>(key).inverse() * e);
   }
+  /// [t, x̂ − x, 3σ of x] of the first agent's newest state [s, m, m].
+  Json error_of_x() const {
+    const Vector<4> e = truth_[0].local(window_.newest<Motion2>('A'));
+    const Matrix<4, 4> C = Marginals(window_.graph(), window_.values()).covariance<Motion2>(window_.newest_key('A'));
+    return {k_ * options_.dt, e[0], 3 * std::sqrt(C(0, 0))};
+  }
 
  private:
   static Agent agent_of(std::size_t number) { return Agent('A', number); }
@@ -171,6 +177,7 @@ Json time(const Timed& row, unsigned seed, ProgressBar& bar) {
 Json consistency(const std::string& name, double outliers, const Loss& loss, int runs, unsigned seed, ProgressBar& bar) {
   bar.begin(name);
   double sum = 0;
+  Json errors = Json::array();
   for (int run = 0; run < runs; ++run) {
     Fleet::Options options;
     options.outliers = outliers;
@@ -178,7 +185,10 @@ Json consistency(const std::string& name, double outliers, const Loss& loss, int
     options.window.max_states = 14;
     options.window.solver.cost_tolerance = 1e-10;
     Fleet fleet(options, seed + run);
-    for (int k = 0; k < 100; ++k) fleet.step();
+    for (int k = 0; k < 100; ++k) {
+      fleet.step();
+      if (run == 0) errors.push_back(fleet.error_of_x());
+    }
     sum += fleet.nees() / 4;
   }
   bar.done_with_one();
@@ -187,6 +197,7 @@ Json consistency(const std::string& name, double outliers, const Loss& loss, int
   line["runs"] = runs;
   line["anees"] = sum / runs;
   line["band_95"] = 1.96 * std::sqrt(2.0 / (4 * runs));
+  line["errors"] = std::move(errors);  // of the first run
   return line;
 }
 

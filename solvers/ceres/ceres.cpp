@@ -62,7 +62,8 @@ class Callback final : public ceres::IterationCallback {
  public:
   explicit Callback(Progress& progress) : progress_(progress) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
-    progress_.summary.cost = iteration.cost;
+    // Of a step that is refused Ceres says the cost it would have had.
+    if (iteration.iteration == 0 || iteration.cost < progress_.summary.cost) progress_.summary.cost = iteration.cost;
     progress_.summary.iterations = iteration.iteration;
     return progress_.go_on(iteration.gradient_max_norm) ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }

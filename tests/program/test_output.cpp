@@ -12,7 +12,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::ordered_json;
 
-const std::vector<std::string> kCommands{"solve", "track", "check", "convert", "simulate", "bench", "completion"};
+const std::vector<std::string> kCommands{"solve", "track",   "check", "convert", "simulate",
+                                         "bench", "compare", "plot",  "report",  "completion"};
 
 class Output : public InDirectory {};
 

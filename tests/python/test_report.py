@@ -4,6 +4,7 @@ import json
 import math
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -100,3 +101,73 @@ def test_a_page_that_cannot_be_written_is_named(tmp_path):
     page = tmp_path / "absent" / "page.html"
     done = subprocess.run([sys.executable, str(SCRIPT), str(tmp_path), str(page)], capture_output=True, text=True, check=False)
     assert done.returncode == 1 and f"cannot write {page}" in done.stderr and "Traceback" not in done.stderr
+
+
+def drawing(file):
+    return {"tracks": [{"name": "A", "is_way": True, "estimate": [[0, 0], [1, 0.5]], "truth": [[0, 0], [1, 0]]},
+                       {"name": "L", "is_way": False, "estimate": [[4, 4.25]], "truth": []}],
+            "rejected": [[0, 0, 4, 4.25]], "suite": "data", "file": file, "loss": "squared", "start": "odometry", "backend": "irls",
+            "cost": 5.0}
+
+
+def figures(page):
+    """The traces that the page draws: [[{x, y, name, …}]], as JSON."""
+    found = []
+    for place in re.finditer(r"Plotly\.newPlot\(\s*\"[^\"]*\",\s*", page):
+        found.append(json.JSONDecoder().raw_decode(page[place.end():])[0])
+    return found
+
+
+def whole_page(tmp_path):
+    traced = [run("one", "irls", 5.0, 0.11, trace=[[0.0, 9.0], [0.05, 5.5], [0.1, 5.0]]),
+              run("one", "ceres", 5.0, 0.25, trace=[[0.0, 9.0], [0.2, 5.0]])]
+    write(tmp_path, "data", traced + LINES[2:])
+    write(tmp_path, "online", [{"window": "w", "anees": 1.0, "errors": [[0.05, 0.5, 2.0], [0.1, -3.0, 2.5]], "suite": "online",
+                                "commit": "abc", "machine": {"cpu": "a processor", "cores": 2}}])
+    (tmp_path / "drawings").mkdir()
+    (tmp_path / "drawings" / "one.json").write_text(json.dumps(drawing("range/one.pyfg")), encoding="utf-8")
+    done = subprocess.run([sys.executable, str(SCRIPT), str(tmp_path)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return tmp_path / "index.html"
+
+
+def test_the_figures_hold_the_ways_the_trace_and_the_errors(tmp_path):
+    pytest.importorskip("plotly")
+    drawn = {trace["name"]: trace for traces in figures(whole_page(tmp_path).read_text(encoding="utf-8")) for trace in traces}
+    assert drawn["A"]["x"] == [0, 1] and drawn["A"]["y"] == [0, 0.5] and drawn["A, true"]["y"] == [0, 0]
+    assert drawn["L"]["y"] == [4.25] and drawn["L"]["mode"] == "markers"
+    assert drawn["outliers (1)"]["x"] == [0, 4, None] and drawn["outliers (1)"]["y"] == [0, 4.25, None]
+    assert drawn["error"]["y"] == [0.5, -3.0] and drawn["3σ"]["y"] == [2.0, 2.5, -2.5, -2.0]
+    last = [trace for traces in figures((tmp_path / "index.html").read_text(encoding="utf-8")) for trace in traces
+            if trace["name"] == "irls" and len(trace["x"]) == 3 and trace["mode"] == "lines+markers"]
+    assert [round(value, 12) for value in last[-1]["y"]] == [0.8, 0.1, 1e-12] and last[-1]["x"] == [1e-6, 0.05, 0.1]
+    assert "1 of 2 within 3" in (tmp_path / "index.html").read_text(encoding="utf-8")
+
+
+CHROMIUM = next((path for path in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if path), None)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium (Debian: apt install chromium)")
+@pytest.mark.parametrize("width", [390, 1280])
+def test_chromium_draws_it_without_a_word(tmp_path, width):
+    pytest.importorskip("plotly")
+    page = whole_page(tmp_path)
+    done = subprocess.run([CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}",
+                           f"--window-size={width},900", "--enable-logging=stderr", "--v=0", "--virtual-time-budget=5000", "--dump-dom",
+                           page.as_uri()], capture_output=True, text=True, check=False, timeout=120)
+    assert "CONSOLE" not in done.stderr, done.stderr
+    dom = done.stdout
+    assert dom.count('class="main-svg"') >= 2 * len(figures(page.read_text(encoding="utf-8")))  # every figure was drawn
+    cells = re.findall(r"<t[dh][^>]*>([^<]*)</t[dh]>", dom[dom.rindex("Suite data: every run"):])
+    for line in json.loads("[" + ",".join((tmp_path / "data.jsonl").read_text(encoding="utf-8").split("\n")[:-1]) + "]"):
+        assert report.number(line["cost"], ".9g") in cells and report.number(line["seconds"]) in cells
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium (Debian: apt install chromium)")
+def test_chromium_says_what_is_wrong_with_a_page(tmp_path):
+    page = tmp_path / "bad.html"
+    page.write_text("<script>nothing.here()</script>", encoding="utf-8")
+    done = subprocess.run([CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}",
+                           "--enable-logging=stderr", "--v=0", "--dump-dom", page.as_uri()], capture_output=True, text=True, check=False,
+                          timeout=120)
+    assert "CONSOLE" in done.stderr  # so its silence above means something

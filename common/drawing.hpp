@@ -1,0 +1,32 @@
+// What a picture of an answer shows, seen from above: ways and landmarks, true and estimated, and the measurements between them.
+#pragma once
+
+#include <array>
+#include <holdfast/common/run.hpp>
+
+namespace holdfast::common {
+
+struct Drawing {
+  using Place = std::array<double, 2>;  ///< x, y [m]
+  struct Track {
+    std::string name;  ///< of an agent
+    bool is_way;       ///< states in the order of their steps; else landmarks
+    std::vector<Place> estimate;
+    std::vector<Place> truth;  ///< empty: unknown
+  };
+  struct Line {
+    Place from, to;
+    std::string factor;
+  };
+  std::vector<Track> tracks;
+  std::vector<Line> kept, rejected;  ///< between two places, but odometry; rejected: outlier_report
+};
+
+/// Ways of more than `most` states and more than `most` kept lines are thinned out evenly; rejected lines are all there. Throws what
+/// outlier_report throws.
+Drawing drawing_of(const Graph& graph, const Values& truth, const Values& answer, std::size_t most);
+
+/// {"tracks": [{"name", "is_way", "estimate": [[x, y], …], "truth": […]}], "rejected": [[x, y, x, y], …]}; to the millimetre.
+Json to_json(const Drawing& drawing);
+
+}  // namespace holdfast::common

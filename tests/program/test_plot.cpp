@@ -1,0 +1,91 @@
+// `holdfast plot`: the page shows every agent, the truth and the outliers, and is whole by itself.
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+
+#include "tests/program/helpers.hpp"
+
+namespace holdfast::program {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Plot : public InDirectory {};
+
+TEST_F(Plot, DrawsWaysLandmarksTruthAndTheOneOutlier) {
+  const std::string file = write("two.pyfg", small_pyfg());
+  const Outcome outcome = holdfast_program({"plot", file, at("page.html"), "--json", at("drawing.json")});
+  ASSERT_EQ(outcome.code, kDone) << outcome.err;
+  const Json drawing = lines_of(at("drawing.json"))[0];
+  ASSERT_EQ(drawing["tracks"].size(), 3u);
+  for (const Json& track : drawing["tracks"]) {
+    EXPECT_EQ(track["is_way"], track["name"] != "L");
+    EXPECT_EQ(track["estimate"].size(), track["name"] == "L" ? 1u : 5u);
+    EXPECT_EQ(track["truth"].size(), track["name"] == "L" ? 0u : 5u);
+  }
+  ASSERT_EQ(drawing["rejected"].size(), 1u);  // the range of 30 m between A2 and B2, 3 m apart
+  EXPECT_NEAR(drawing["rejected"][0][0].get<double>(), 2, 0.5);
+  EXPECT_NEAR(drawing["rejected"][0][2].get<double>(), 2, 0.5);
+  const std::string page = text_of(at("page.html"));
+  for (const char* part :
+       {"id=kept", "id=rejected", "id=truth", "id=estimate", "outliers (1)", "<title>A</title>", "<title>B</title>", "</html>"})
+    EXPECT_THAT(page, HasSubstr(part));
+  for (const char* foreign : {"http://", "https://", "<script"}) EXPECT_THAT(page, Not(HasSubstr(foreign)));
+}
+
+TEST_F(Plot, WithoutASolveVerticesAreAsInTheFile) {
+  const std::string file = write("square.g2o", small_g2o());
+  const Outcome outcome = holdfast_program({"plot", file, "--backend", "none", "--json", "-"});
+  ASSERT_EQ(outcome.code, kDone) << outcome.err;
+  EXPECT_EQ(Json::parse(outcome.out)["tracks"][0]["estimate"].dump(), "[[0.0,0.0],[1.1,0.0],[1.0,1.1],[0.0,1.0]]");
+  EXPECT_TRUE(std::filesystem::is_regular_file(at("square.html")));
+}
+
+TEST_F(Plot, ThePictureIsTrueToScaleWithYUpwards) {
+  write("corner.g2o",
+        "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 10 0 0\nVERTEX_SE2 2 10 5 0\nEDGE_SE2 0 1 10 0 0 1 0 0 1 0 1\n"
+        "EDGE_SE2 1 2 0 5 0 1 0 0 1 0 1\n");
+  ASSERT_EQ(holdfast_program({"plot", at("corner.g2o"), "--backend", "none"}).code, kDone);
+  const std::string page = text_of(at("corner.html"));
+  const std::size_t way = page.find("class=way");
+  ASSERT_NE(way, std::string::npos);
+  double x[3], y[3];
+  ASSERT_EQ(std::sscanf(page.c_str() + page.find("d='M", way), "d='M%lf,%lf L%lf,%lf L%lf,%lf", &x[0], &y[0], &x[1], &y[1], &x[2], &y[2]),
+            6);
+  EXPECT_NEAR((x[1] - x[0]) / (y[1] - y[2]), 2, 1e-3);
+  EXPECT_NEAR(y[0], y[1], 1e-3);
+  EXPECT_GT(y[1], y[2]);
+}
+
+TEST_F(Plot, NamesAreTextNotMarkup) {
+  const std::string file = write("a<b>&c.g2o", small_g2o());
+  ASSERT_EQ(holdfast_program({"plot", file, at("page.html")}).code, kDone);
+  EXPECT_THAT(text_of(at("page.html")), HasSubstr("a&lt;b&gt;&amp;c.g2o"));
+}
+
+TEST_F(Plot, SaysWhatItCannotDo) {
+  EXPECT_THAT(holdfast_program({"plot", at("absent.g2o")}).err, HasSubstr("absent.g2o"));
+  EXPECT_EQ(holdfast_program({"plot", write("square.g2o", small_g2o()), "--backend", "nobody"}).code, kUsage);
+  EXPECT_EQ(holdfast_program({"plot", at("square.g2o"), at("no/page.html")}).code, kFailed);
+}
+
+class Report : public InDirectory {};
+
+TEST_F(Report, RunsTheScriptOnTheDirectory) {
+  write("report.py", "import sys\nopen(sys.argv[2], 'w').write('drawn from ' + sys.argv[1])\n");
+  const Outcome outcome = holdfast_program({"report", at("."), at("page.html"), "--script", at("report.py"), "--json", "-"});
+  ASSERT_EQ(outcome.code, kDone) << outcome.err;
+  EXPECT_EQ(text_of(at("page.html")), "drawn from " + at("."));
+  EXPECT_EQ(Json::parse(outcome.out)["bytes"], ("drawn from " + at(".")).size());
+}
+
+TEST_F(Report, FailsWithTheScript) {
+  write("bad.py", "import sys\nsys.exit(3)\n");
+  EXPECT_EQ(holdfast_program({"report", at("."), "--script", at("bad.py")}).code, kFailed);
+  EXPECT_THAT(holdfast_program({"report", at("."), "--script", at("absent.py")}).err, HasSubstr("absent.py"));
+}
+
+}  // namespace
+}  // namespace holdfast::program
