@@ -2,6 +2,7 @@
 #include <cmath>
 #include <holdfast/adapters/files/vertex_value.hpp>
 #include <holdfast/common/drawing.hpp>
+#include <holdfast/common/metrics.hpp>
 #include <holdfast/solvers/outlier_report.hpp>
 #include <map>
 #include <optional>
@@ -9,13 +10,19 @@
 namespace holdfast::common {
 namespace {
 
-std::optional<Drawing::Place> place_of(const Values& values, Key key) {
+/// T: a rigid motion, homogeneous, that the place is seen after.
+std::optional<Drawing::Place> place_of(const Values& values, Key key, const std::optional<Eigen::MatrixXd>& T = std::nullopt) {
   if (!values.contains(key)) return std::nullopt;
   const Values::Slot& slot = values.slot(key);
   const auto& pool = values.pool(slot.pool);
   if (pool.space() < 2) return std::nullopt;
   std::array<double, 3> p{};
   pool.position(slot.index, p.data());
+  const Eigen::Index space = pool.space();
+  if (T && T->rows() == space + 1) {
+    Eigen::Map<Eigen::VectorXd> position(p.data(), space);
+    position = (T->topLeftCorner(space, space) * position + T->topRightCorner(space, 1).col(0)).eval();
+  }
   return Drawing::Place{p[0], p[1]};
 }
 
@@ -41,11 +48,12 @@ double millimetres(double metres) { return std::round(1e3 * metres) / 1e3; }
 }  // namespace
 
 Drawing drawing_of(const Graph& graph, const Values& truth, const Values& answer, std::size_t most) {
+  const std::optional<Eigen::MatrixXd> T_truth_answer = alignment(truth, answer);
   std::vector<Key> keys = answer.keys();
   std::sort(keys.begin(), keys.end());
   std::map<std::pair<Agent, bool>, Drawing::Track> tracks;
   for (const Key key : keys) {
-    const std::optional<Drawing::Place> estimate = place_of(answer, key), known = place_of(truth, key);
+    const std::optional<Drawing::Place> estimate = place_of(answer, key, T_truth_answer), known = place_of(truth, key);
     if (!estimate) continue;
     const bool is_way = std::string(type_name(answer, key)).rfind("Point", 0) != 0;
     Drawing::Track& track = tracks[{is_way ? key.agent() : Agent(key.kind()), is_way}];
@@ -62,7 +70,8 @@ Drawing drawing_of(const Graph& graph, const Values& truth, const Values& answer
   }
   for (const MeasurementReport& one : outlier_report(graph, answer)) {
     if (one.keys.size() != 2) continue;
-    const std::optional<Drawing::Place> from = place_of(answer, one.keys[0]), to = place_of(answer, one.keys[1]);
+    const std::optional<Drawing::Place> from = place_of(answer, one.keys[0], T_truth_answer),
+                                        to = place_of(answer, one.keys[1], T_truth_answer);
     if (!from || !to) continue;
     const bool is_rejected = one.verdict == MeasurementReport::Verdict::outlier;
     if (is_rejected || !is_step(one.keys)) (is_rejected ? drawing.rejected : drawing.kept).push_back({*from, *to, one.factor});

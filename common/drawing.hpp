@@ -22,8 +22,8 @@ struct Drawing {
   std::vector<Line> kept, rejected;  ///< between two places, but odometry; rejected: outlier_report
 };
 
-/// Ways of more than `most` states and more than `most` kept lines are thinned out evenly; rejected lines are all there. Throws what
-/// outlier_report throws.
+/// The answer is laid onto the truth by a rigid motion, as the ATE has it (metrics.hpp), where the truth is known. Ways of more than `most`
+/// states and more than `most` kept lines are thinned out evenly; rejected lines are all there. Throws what outlier_report throws.
 Drawing drawing_of(const Graph& graph, const Values& truth, const Values& answer, std::size_t most);
 
 /// {"tracks": [{"name", "is_way", "estimate": [[x, y], …], "truth": […]}], "rejected": [[x, y, x, y], …]}; to the millimetre.

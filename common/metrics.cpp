@@ -36,6 +36,12 @@ double rms_of_columns(const Eigen::MatrixXd& m) { return std::sqrt(m.squaredNorm
 
 }  // namespace
 
+std::optional<Eigen::MatrixXd> alignment(const Values& truth, const Values& estimate) {
+  const auto [t, e] = common_positions(truth, estimate);
+  if (t.cols() == 0) return std::nullopt;
+  return Eigen::umeyama(e, t, false);
+}
+
 std::optional<PositionError> position_error(const Values& truth, const Values& estimate) {
   const auto [t, e] = common_positions(truth, estimate);
   if (t.cols() == 0) return std::nullopt;

@@ -20,6 +20,10 @@ struct PositionError {
 /// scenario. Keys without an estimate and those of another space than the first are left out. Nothing where none is left.
 std::optional<PositionError> position_error(const Values& truth, const Values& estimate);
 
+/// T_truth_estimate, homogeneous, square with a side of 3 in the plane and 4 in space: the rigid motion that the ATE is taken after.
+/// Nothing where no variable of `truth` has a position.
+std::optional<Eigen::MatrixXd> alignment(const Values& truth, const Values& estimate);
+
 /// How many factors a graph's losses judge, and reject at these values (is_rejected, solvers/outlier_report.hpp): those under another
 /// loss than squared, loop closures and landmarks as well as ranges; and of them the ranges (factors whose name begins with "Range";
 /// under the squared loss, too).

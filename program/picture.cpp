@@ -131,7 +131,7 @@ const char* const kStyle =
     "body{font:16px/1.5 system-ui,sans-serif;color:var(--ink);background:var(--paper);max-width:70rem;margin:auto;padding:1rem}"
     "svg{width:100%;height:auto;max-height:85vh}label{margin-right:1.5rem;white-space:nowrap}path{fill:none;vector-effect:non-scaling-"
     "stroke}"
-    ".kept{stroke:var(--ink);stroke-opacity:.15;stroke-width:1}.rejected{stroke:#d55e00;stroke-width:1.5;stroke-dasharray:6 3}"
+    ".kept{stroke:var(--ink);stroke-opacity:.08;stroke-width:1}.rejected{stroke:#d55e00;stroke-width:1.5;stroke-dasharray:6 3}"
     ".way{stroke-width:2}.truth{stroke:var(--ink);stroke-width:1.2;stroke-dasharray:2 4}.bar{stroke:var(--ink);stroke-width:3}"
     "text{fill:var(--ink);font-size:20px}";
 

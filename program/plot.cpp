@@ -54,6 +54,7 @@ int plot(const PlotArguments& arguments, Terminal& terminal) {
     caption = "Answer of " + arguments.backend + " under " + arguments.loss + " from the start '" + arguments.start +
               "', seen from above; " + run.summary.str();
   }
+  if (problem.instance.truth.size() > 0) caption += ". Laid onto the truth by a rigid motion, as the ATE has it.";
   bar.clear();
   const Drawing drawing = drawing_of(problem.instance.graph, problem.instance.truth, answer, kMost);
   const fs::path page = arguments.out.empty() ? fs::path(arguments.file).replace_extension(".html") : fs::path(arguments.out);

@@ -59,6 +59,18 @@ TEST_F(Plot, ThePictureIsTrueToScaleWithYUpwards) {
   EXPECT_GT(y[1], y[2]);
 }
 
+TEST_F(Plot, TheAnswerIsLaidOntoTheTruth) {
+  // Odometry alone, exact, of a corner: the vertices are the truth, but the dead reckoning begins at the origin, unturned.
+  const std::string noise = " 0.01 0 0 0.01 0 0.01\n";
+  const std::string file = write("corner.pyfg",
+                                 "VERTEX_SE2 0 A0 5 5 1.5707963267948966\nVERTEX_SE2 1 A1 5 7 3.141592653589793\n"
+                                 "VERTEX_SE2 2 A2 2 7 3.141592653589793\nEDGE_SE2 0 A0 A1 2 0 1.5707963267948966" +
+                                     noise + "EDGE_SE2 1 A1 A2 3 0 0" + noise);
+  const Outcome outcome = holdfast_program({"plot", file, "--start", "odometry", "--json", "-"});
+  ASSERT_EQ(outcome.code, kDone) << outcome.err;
+  EXPECT_EQ(Json::parse(outcome.out)["tracks"][0]["estimate"].dump(), "[[5.0,5.0],[5.0,7.0],[2.0,7.0]]");
+}
+
 TEST_F(Plot, NamesAreTextNotMarkup) {
   const std::string file = write("a<b>&c.g2o", small_g2o());
   ASSERT_EQ(holdfast_program({"plot", file, at("page.html")}).code, kDone);
