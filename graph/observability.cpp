@@ -1,3 +1,4 @@
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -94,6 +95,94 @@ std::vector<GraphComponent> find_components(const Graph& graph, const Resolved& 
   }
   return components;
 }
+
+/// Whether every variable is held, one after the other: a fixed one is, and so is one whose factors to variables that are held already have
+/// Jacobians of full rank together. Then J z = 0 has no other solution than z = 0, and nothing has to be factored. That is so in most
+/// problems: poses along their odometry from the one that is fixed, landmarks from poses.
+class HeldVariables {
+ public:
+  HeldVariables(const Graph& graph, const Resolved& resolved, const Values& values)
+      : graph_(graph), resolved_(resolved), values_(values), factors_of_(resolved.variables().size()) {
+    for (const Resolved::Variable& v : resolved.variables()) {
+      is_held_.push_back(v.offset < 0);
+      begin_.push_back(information_.size());
+      information_.resize(information_.size() + static_cast<std::size_t>(v.dim) * v.dim, 0.0);
+    }
+    for (std::size_t b = 0; b < graph.batches().size(); ++b)
+      for (int i = 0; i < graph.batches()[b]->size(); ++i) add_factor(static_cast<int>(b), i);
+  }
+
+  bool all() {
+    while (!ready_.empty()) {
+      const int factor = ready_.back();
+      ready_.pop_back();
+      use(factor);
+    }
+    return std::all_of(is_held_.begin(), is_held_.end(), [](char held) { return held != 0; });
+  }
+
+ private:
+  static constexpr double kLeastPivot = 1e-9;  // of a scaled diagonal of 1
+
+  struct Factor {
+    int batch, index, open;  // variables that are not held
+  };
+  const int* variables_of(const Factor& f) const {
+    return &resolved_.batches()[f.batch].variable[static_cast<std::size_t>(f.index) * graph_.batches()[f.batch]->arity()];
+  }
+  void add_factor(int batch, int i) {
+    const FactorBatch& factors = *graph_.batches()[batch];
+    if (!(factors.weight(i) > 0)) return;
+    Factor factor{batch, i, 0};
+    const int number = static_cast<int>(factors_.size());
+    const int* v = variables_of(factor);
+    for (int k = 0; k < factors.arity(); ++k)
+      if (is_held_[v[k]] == 0) {
+        ++factor.open;
+        factors_of_[v[k]].push_back(number);
+      }
+    factors_.push_back(factor);
+    if (factor.open == 1) ready_.push_back(number);
+  }
+  void use(int number) {
+    const Factor& factor = factors_[number];
+    const FactorBatch& batch = *graph_.batches()[factor.batch];
+    const int* v = variables_of(factor);
+    int column = 0, k = 0;
+    while (k < batch.arity() && is_held_[v[k]] != 0) column += batch.dims()[k++];
+    if (k == batch.arity()) return;
+    const int variable = v[k], dim = batch.dims()[k];
+    r_.resize(batch.residual_dim());
+    J_.resize(batch.residual_dim(), batch.total_dim());
+    batch.evaluate(values_, resolved_.batches()[factor.batch].index.data(), factor.index, factor.index + 1, r_.data(), J_.data());
+    if (!J_.allFinite()) return;
+    Eigen::Map<MatrixXd> S(&information_[begin_[variable]], dim, dim);
+    S.noalias() += batch.weight(factor.index) * J_.middleCols(column, dim).transpose() * J_.middleCols(column, dim);
+    if (!is_definite(S)) return;
+    is_held_[variable] = 1;
+    for (const int other : factors_of_[variable])
+      if (--factors_[other].open == 1) ready_.push_back(other);
+  }
+  static bool is_definite(const Eigen::Map<MatrixXd>& S) {
+    const VectorXd d = S.diagonal();
+    if (!(d.minCoeff() > 0)) return false;
+    const VectorXd scale = d.cwiseSqrt().cwiseInverse();
+    const Eigen::LLT<MatrixXd> llt(scale.asDiagonal() * S * scale.asDiagonal());
+    return llt.info() == Eigen::Success && llt.matrixLLT().diagonal().cwiseAbs2().minCoeff() > kLeastPivot;
+  }
+
+  const Graph& graph_;
+  const Resolved& resolved_;
+  const Values& values_;
+  std::vector<char> is_held_;
+  std::vector<double> information_;  // of each variable from those that are held: dim × dim
+  std::vector<std::size_t> begin_;
+  std::vector<Factor> factors_;
+  std::vector<std::vector<int>> factors_of_;
+  std::vector<int> ready_;  // factors with one variable that is not held
+  VectorXd r_;
+  MatrixXd J_;
+};
 
 // Null vectors of the scaled H, one for each small pivot of L D Lᵀ that vanishes: Lᵀ x = e_j gives H x = d_j L e_j and xᵀ H x = d_j.
 std::vector<VectorXd> null_vectors(const Sparse& H, std::size_t most) {
@@ -213,6 +302,7 @@ GraphComponent::Direction describe(const VectorXd& x, const GraphComponent& comp
 
 std::vector<GraphComponent> observability(const Graph& graph, const Resolved& resolved, const Values& values) {
   std::vector<GraphComponent> components = find_components(graph, resolved);
+  if (HeldVariables(graph, resolved, values).all()) return components;
   const Scaled scaled = scaled_hessian(graph, resolved, values);
   const std::vector<VectorXd> null = null_vectors(scaled.H, 10 * kMostListed);
   if (null.empty()) return components;
