@@ -12,6 +12,7 @@ void bind_incremental(nb::module_& m) {
       .def_ro("relinearized", &IncrementalStep::relinearized, "variables")
       .def_ro("eliminated", &IncrementalStep::eliminated, "variables eliminated again")
       .def_ro("reordered", &IncrementalStep::reordered)
+      .def_ro("settled", &IncrementalStep::settled, "no variable is further than relinearize from where it was linearised")
       .def_ro("batch", &IncrementalStep::batch, "the steps were not enough: irls solved the whole graph")
       .def_ro("seconds", &IncrementalStep::seconds);
   nb::class_<Incremental>(m, "Incremental",

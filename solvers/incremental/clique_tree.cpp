@@ -55,13 +55,20 @@ int CliqueTree::add_variable(int dim) {
   if (v.dim != dim) {
     v.offset = delta_.size();
     delta_.resize(delta_.size() + static_cast<std::size_t>(dim));
+    told_.resize(delta_.size());
   }
   v.dim = dim;
-  std::fill_n(delta_.begin() + static_cast<std::ptrdiff_t>(v.offset), dim, 0.0);
+  restart(number);
   v.is_late = true;
   late_.push_back(number);
   dirty_.push_back(number);
   return number;
+}
+
+void CliqueTree::restart(int variable) {
+  const Variable& v = variables_[variable];
+  std::fill_n(delta_.begin() + static_cast<std::ptrdiff_t>(v.offset), v.dim, 0.0);
+  std::fill_n(told_.begin() + static_cast<std::ptrdiff_t>(v.offset), v.dim, 0.0);
 }
 
 void CliqueTree::remove_variable(int variable) {
@@ -497,14 +504,19 @@ void CliqueTree::solve_down(double tolerance) {
     solve_clique(clique, x);
     int row = 0;
     for (const int v : clique.own) {
-      double most = 0;
+      const std::size_t offset = variables_[v].offset;
+      bool is_new = false;
+      double most = 0;  // since those below were told: small moves add up
       for (int i = 0; i < variables_[v].dim; ++i, ++row) {
-        double& d = delta_[variables_[v].offset + i];
-        most = std::max(most, std::abs(x[row] - d));
-        d = x[row];
+        is_new = is_new || x[row] != delta_[offset + i];
+        delta_[offset + i] = x[row];
+        most = std::max(most, std::abs(x[row] - told_[offset + i]));
       }
-      if (most > 0) changed_.push_back(v);
-      if (most > tolerance) moved_[v] = 1;
+      if (is_new) changed_.push_back(v);
+      if (!(most > tolerance)) continue;
+      moved_[v] = 1;
+      std::copy_n(delta_.begin() + static_cast<std::ptrdiff_t>(offset), variables_[v].dim,
+                  told_.begin() + static_cast<std::ptrdiff_t>(offset));
     }
     stack.insert(stack.end(), clique.children.begin(), clique.children.end());
   }

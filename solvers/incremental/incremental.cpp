@@ -179,15 +179,18 @@ void Incremental::marginalize(const std::vector<Key>& keys) {
   for (const Key key : keys) {
     start_.slot(key);
     // The prior is made on a graph of the variable's factors alone, linearised where the estimate is.
-    std::vector<FactorId> factors = graph_.factors_on(key);
-    Graph part = graph_;
-    for (std::size_t b = 0; b < part.batches().size(); ++b)
-      for (int i = part.batches()[b]->size() - 1; i >= 0; --i) {
-        const FactorId id = part.id_of(static_cast<int>(b), i);
-        const auto same = [&](FactorId other) { return other.number == id.number && other.generation == id.generation; };
-        if (std::none_of(factors.begin(), factors.end(), same)) part.remove(id);
-      }
-    Values estimate = values();
+    Graph part;
+    Values estimate;
+    for (const FactorId id : graph_.factors_on(key)) {
+      const Graph::Place& place = graph_.place(id);
+      const FactorBatch& batch = *graph_.batches()[place.batch];
+      for (int k = 0; k < batch.arity(); ++k) insert_estimate(batch.keys(place.index)[k], part, estimate);
+      part.add_from(graph_, id);
+    }
+    if (part.size() == 0) {
+      erase(key);
+      continue;
+    }
     Marginalizer marginalizer;
     const FactorId prior = marginalizer.eliminate(part, estimate, key);
     std::optional<LinearPrior> left;
@@ -195,6 +198,17 @@ void Incremental::marginalize(const std::vector<Key>& keys) {
     erase(key);
     if (left) add(*left);
   }
+}
+
+/// Of one variable, into values that hold few.
+void Incremental::insert_estimate(Key key, Graph& part, Values& estimate) const {
+  if (estimate.contains(key)) return;
+  const Values::Slot& slot = start_.slot(key);
+  const PoolBase& pool = start_.pool(slot.pool);
+  std::vector<double> x(pool.data(slot.index), pool.data(slot.index) + pool.ambient());
+  if (const double* delta = delta_of(key)) pool.retract_ambient(pool.data(slot.index), delta, x.data());
+  estimate.insert_ambient(key, pool.kind(), x.data());
+  if (graph_.is_fixed(key)) part.fix(key);
 }
 
 // ---- the estimate
@@ -237,6 +251,7 @@ const IncrementalStep& Incremental::update() {
   solve(s.whole > 0 && s.work > options_.reorder * s.whole);
   while (!s.far.empty() && step_.steps < options_.most_steps) relinearize();
   if (!s.far.empty()) step_.batch = solve_batch(options_.relinearize).usable();
+  step_.settled = s.far.empty();
   step_.seconds = watch.seconds();
   return step_;
 }
@@ -323,9 +338,8 @@ void Incremental::relinearize() {
   for (const int number : s.far) {
     const State::Variable& variable = s.of(s.key_of[number]);
     PoolBase& pool = start_.pool(variable.slot.pool);
-    double* delta = s.tree.delta(number);
-    pool.retract(variable.slot.index, pool, delta);
-    std::fill_n(delta, variable.dim, 0.0);
+    pool.retract(variable.slot.index, pool, s.tree.delta(number));
+    s.tree.restart(number);
     const std::vector<int>& terms = s.tree.terms_on(number);
     touched.insert(touched.end(), terms.begin(), terms.end());
     ++step_.relinearized;
@@ -352,7 +366,7 @@ Summary Incremental::solve_batch(double accuracy) {
   if (!summary.usable()) return summary;
   start_.assign(estimate);
   for (auto& [key, variable] : s.variables)
-    if (variable.number >= 0) std::fill_n(s.tree.delta(variable.number), variable.dim, 0.0);
+    if (variable.number >= 0) s.tree.restart(variable.number);
   s.far.clear();
   for (std::size_t b = 0; b < graph_.batches().size(); ++b)
     for (int i = 0; i < graph_.batches()[b]->size(); ++i) {

@@ -45,7 +45,8 @@ struct IncrementalStep {
   int relinearized = 0;  ///< variables
   int eliminated = 0;    ///< variables eliminated again, of all steps
   bool reordered = false;
-  bool batch = false;  ///< `most_steps` were not enough: irls solved the whole graph
+  bool settled = true;  ///< no variable is further than `relinearize` from where it was linearised
+  bool batch = false;   ///< `most_steps` were not enough: irls solved the whole graph
   double seconds = 0;
 };
 
@@ -113,6 +114,7 @@ class Incremental {
   struct State;
   FactorId entered(FactorId id);
   const double* delta_of(Key key) const;
+  void insert_estimate(Key key, Graph& part, Values& estimate) const;
   void enter_variables();
   void enter_factors();
   void linearize(FactorId id, const std::vector<int>* known);

@@ -172,6 +172,35 @@ TEST(Incremental, RandomLives) {
   }
 }
 
+/// Ranges to three beacons, one of them not known before: each step is the batch answer.
+TEST(Incremental, ARangeGraphIsTheBatchAnswerAtEveryStep) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    std::mt19937_64 rng(seed);
+    Incremental smoother;
+    const Point2 beacons[3] = {Point2(0, 8), Point2(10, 8), Point2(5, -6)};
+    for (int j = 0; j < 3; ++j) {
+      smoother.insert(L(j), Point2(beacons[j].value + Vector<2>(uniform(rng, -1, 1), uniform(rng, -1, 1))));
+      smoother.add(Prior<Point2>::from_sigmas(beacons[j], j < 2 ? Vector<2>(0.1, 0.1) : Vector<2>(5, 5)), {L(j)});
+    }
+    Pose2 truth(0, 0, 0);
+    smoother.insert(x(0), truth);
+    smoother.add(Prior<Pose2>::from_sigmas(truth, kSigmas), {x(0)});
+    for (int k = 1; k < 40; ++k) {
+      const Pose2 move(0.3, 0, uniform(rng, -0.2, 0.2));
+      truth = truth * move;
+      const Pose2 measured = move * Pose2(uniform(rng, -0.05, 0.05), uniform(rng, -0.05, 0.05), uniform(rng, -0.02, 0.02));
+      smoother.insert(x(k), smoother.at<Pose2>(x(k - 1)) * measured);
+      smoother.add(between(measured), {x(k - 1), x(k)});
+      const int j = k % 3;
+      const double d = (truth.p - beacons[j].value).norm() + uniform(rng, -0.1, 0.1);
+      smoother.add(Range<Pose2, Point2>{d, 0.1}, {x(k), L(j)}, Huber{2});
+      EXPECT_TRUE(smoother.update().settled);
+      const double cost = smoother.cost();
+      EXPECT_NEAR(cost, batch_cost(smoother.graph(), smoother.values()), 1e-5 * cost + 1e-9) << seed << ' ' << k;
+    }
+  }
+}
+
 TEST(Incremental, AFreeVariableIsNamedAndMendedByAPrior) {
   Incremental smoother;
   smoother.insert(x(0), Pose2(0, 0, 0));

@@ -26,15 +26,16 @@ class CliqueTree {
   const std::vector<int>& variables_of(int term) const { return terms_[term].variables; }
 
   /// Makes the cliques again that changed terms touch, and solves Σ H δ = −Σ g. Returns −1, or a variable whose pivot is not positive:
-  /// what was to be made again is then made again by the next call. Parts of δ that change by less than `tolerance` (of any component) are
-  /// not followed further down.
+  /// what was to be made again is then made again by the next call. Parts of δ that have changed by less than `tolerance` (of any
+  /// component) since they were last followed down the tree are not followed.
   int update(double tolerance);
   /// Orders everything anew.
   int reorder(double tolerance);
 
   /// Of the last update().
   const double* delta(int variable) const { return &delta_[variables_[variable].offset]; }
-  double* delta(int variable) { return &delta_[variables_[variable].offset]; }
+  /// δ of this variable is 0 from now on: it was linearised anew where it is. Its terms have to be changed, too.
+  void restart(int variable);
   const std::vector<int>& changed() const { return changed_; }  ///< the variables whose δ it changed
   int remade() const { return remade_; }                        ///< how many variables it eliminated again
   double work() const { return work_; }                         ///< multiply–add pairs of it
@@ -87,9 +88,9 @@ class CliqueTree {
   std::vector<Term> terms_;
   std::vector<Clique> cliques_;
   std::vector<int> free_variables_, free_terms_, free_cliques_;
-  std::vector<double> delta_;
-  std::vector<int> dirty_;    // variables without a clique
-  std::vector<int> orphans_;  // cliques without a parent, to be hung on again
+  std::vector<double> delta_, told_;  // told: δ when it was last followed down
+  std::vector<int> dirty_;            // variables without a clique
+  std::vector<int> orphans_;          // cliques without a parent, to be hung on again
   std::vector<int> roots_;
   std::vector<int> fresh_;  // cliques made by the update at hand
   std::vector<int> late_;   // variables with is_late
