@@ -97,19 +97,25 @@ std::vector<GraphComponent> find_components(const Graph& graph, const Resolved& 
 }
 
 /// Whether every variable is held, one after the other: a fixed one is, and so is one whose factors to variables that are held already have
-/// Jacobians of full rank together. Then J z = 0 has no other solution than z = 0, and nothing has to be factored. That is so in most
-/// problems: poses along their odometry from the one that is fixed, landmarks from poses.
+/// Jacobians of full rank together, none weak beside all of its factors. Then J z = 0 has no other solution than z = 0, and nothing has to
+/// be factored. That is so in most problems: poses along their odometry from the one that is fixed, landmarks from poses.
 class HeldVariables {
  public:
   HeldVariables(const Graph& graph, const Resolved& resolved, const Values& values)
-      : graph_(graph), resolved_(resolved), values_(values), factors_of_(resolved.variables().size()) {
+      : graph_(graph), resolved_(resolved), factors_of_(resolved.variables().size()) {
     for (const Resolved::Variable& v : resolved.variables()) {
       is_held_.push_back(v.offset < 0);
       begin_.push_back(information_.size());
       information_.resize(information_.size() + static_cast<std::size_t>(v.dim) * v.dim, 0.0);
     }
-    for (std::size_t b = 0; b < graph.batches().size(); ++b)
-      for (int i = 0; i < graph.batches()[b]->size(); ++i) add_factor(static_cast<int>(b), i);
+    diagonal_.assign(resolved.tangent_dim(), 0.0);
+    for (std::size_t b = 0; b < graph.batches().size(); ++b) {
+      const FactorBatch& batch = *graph.batches()[b];
+      std::vector<double> r(static_cast<std::size_t>(batch.size()) * batch.residual_dim());
+      J_.emplace_back(r.size() * batch.total_dim());
+      batch.evaluate(values, resolved.batches()[b].index.data(), 0, batch.size(), r.data(), J_.back().data());
+      for (int i = 0; i < batch.size(); ++i) add_factor(static_cast<int>(b), i);
+    }
   }
 
   bool all() {
@@ -122,7 +128,7 @@ class HeldVariables {
   }
 
  private:
-  static constexpr double kLeastPivot = 1e-9;  // of a scaled diagonal of 1
+  static constexpr double kLeastPivot = 1e-9;  // of the diagonal of H: far above what is_unobservable() calls nothing
 
   struct Factor {
     int batch, index, open;  // variables that are not held
@@ -130,17 +136,26 @@ class HeldVariables {
   const int* variables_of(const Factor& f) const {
     return &resolved_.batches()[f.batch].variable[static_cast<std::size_t>(f.index) * graph_.batches()[f.batch]->arity()];
   }
+  Eigen::Map<const MatrixXd> jacobian(const Factor& f) const {
+    const FactorBatch& batch = *graph_.batches()[f.batch];
+    const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(batch.residual_dim()) * batch.total_dim();
+    return {J_[f.batch].data() + size * f.index, batch.residual_dim(), batch.total_dim()};
+  }
   void add_factor(int batch, int i) {
     const FactorBatch& factors = *graph_.batches()[batch];
-    if (!(factors.weight(i) > 0)) return;
     Factor factor{batch, i, 0};
+    const Eigen::Map<const MatrixXd> J = jacobian(factor);
+    if (!(factors.weight(i) > 0) || !J.allFinite()) return;
     const int number = static_cast<int>(factors_.size());
     const int* v = variables_of(factor);
-    for (int k = 0; k < factors.arity(); ++k)
-      if (is_held_[v[k]] == 0) {
-        ++factor.open;
-        factors_of_[v[k]].push_back(number);
-      }
+    int column = 0;
+    for (int k = 0; k < factors.arity(); column += factors.dims()[k++]) {
+      if (is_held_[v[k]] != 0) continue;
+      ++factor.open;
+      factors_of_[v[k]].push_back(number);
+      for (int c = 0; c < factors.dims()[k]; ++c)
+        diagonal_[resolved_.variables()[v[k]].offset + c] += factors.weight(i) * J.col(column + c).squaredNorm();
+    }
     factors_.push_back(factor);
     if (factor.open == 1) ready_.push_back(number);
   }
@@ -152,36 +167,32 @@ class HeldVariables {
     while (k < batch.arity() && is_held_[v[k]] != 0) column += batch.dims()[k++];
     if (k == batch.arity()) return;
     const int variable = v[k], dim = batch.dims()[k];
-    r_.resize(batch.residual_dim());
-    J_.resize(batch.residual_dim(), batch.total_dim());
-    batch.evaluate(values_, resolved_.batches()[factor.batch].index.data(), factor.index, factor.index + 1, r_.data(), J_.data());
-    if (!J_.allFinite()) return;
+    const auto J = jacobian(factor).middleCols(column, dim);
     Eigen::Map<MatrixXd> S(&information_[begin_[variable]], dim, dim);
-    S.noalias() += batch.weight(factor.index) * J_.middleCols(column, dim).transpose() * J_.middleCols(column, dim);
-    if (!is_definite(S)) return;
+    S.noalias() += batch.weight(factor.index) * J.transpose() * J;
+    if (!is_strong(S, Eigen::Map<const VectorXd>(&diagonal_[resolved_.variables()[variable].offset], dim))) return;
     is_held_[variable] = 1;
     for (const int other : factors_of_[variable])
       if (--factors_[other].open == 1) ready_.push_back(other);
   }
-  static bool is_definite(const Eigen::Map<MatrixXd>& S) {
-    const VectorXd d = S.diagonal();
-    if (!(d.minCoeff() > 0)) return false;
-    const VectorXd scale = d.cwiseSqrt().cwiseInverse();
+  /// S has no direction that is weak beside the diagonal of H.
+  static bool is_strong(const Eigen::Map<MatrixXd>& S, const VectorXd& diagonal) {
+    if (!(diagonal.minCoeff() > 0)) return false;
+    const VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
     const Eigen::LLT<MatrixXd> llt(scale.asDiagonal() * S * scale.asDiagonal());
     return llt.info() == Eigen::Success && llt.matrixLLT().diagonal().cwiseAbs2().minCoeff() > kLeastPivot;
   }
 
   const Graph& graph_;
   const Resolved& resolved_;
-  const Values& values_;
   std::vector<char> is_held_;
   std::vector<double> information_;  // of each variable from those that are held: dim × dim
   std::vector<std::size_t> begin_;
   std::vector<Factor> factors_;
   std::vector<std::vector<int>> factors_of_;
-  std::vector<int> ready_;  // factors with one variable that is not held
-  VectorXd r_;
-  MatrixXd J_;
+  std::vector<int> ready_;              // factors with one variable that is not held
+  std::vector<std::vector<double>> J_;  // of each batch
+  std::vector<double> diagonal_;        // of H
 };
 
 // Null vectors of the scaled H, one for each small pivot of L D Lᵀ that vanishes: Lᵀ x = e_j gives H x = d_j L e_j and xᵀ H x = d_j.
