@@ -3,6 +3,29 @@
 #include <limits>
 
 namespace holdfast {
+namespace {
+
+/// The batch whose function this thread is in.
+thread_local const FunctionBatch* evaluating = nullptr;
+
+/// Locks a batch for this thread; refuses a function that evaluates its own factors, which would wait for itself for ever.
+class Entered {
+ public:
+  Entered(const FunctionBatch* batch, std::mutex& mutex) : before_(evaluating) {
+    if (evaluating == batch) fail<BadOption>(batch->name(), ": the function evaluates its own factors; it may look at other graphs only");
+    lock_ = std::unique_lock<std::mutex>(mutex);
+    evaluating = batch;
+  }
+  ~Entered() { evaluating = before_; }
+  Entered(const Entered&) = delete;
+  Entered& operator=(const Entered&) = delete;
+
+ private:
+  const FunctionBatch* before_;
+  std::unique_lock<std::mutex> lock_;
+};
+
+}  // namespace
 
 void FunctionFactors::validate() const {
   if (types.empty()) fail<BadOption>("FunctionFactors ", name, ": types is empty; name the variables, such as &Pool<Pose2>::prototype()");
@@ -54,7 +77,7 @@ void FunctionBatch::evaluate(const Values& values, const int* index, int first, 
       }
   };
   const std::size_t m = static_cast<std::size_t>(residual_dim()), n = static_cast<std::size_t>(size()), width = m * total_dim();
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const Entered entered(this, mutex_);
   std::vector<double> here(static_cast<std::size_t>(last - first) * ambient_);
   gather(first, last, here.data());
   const bool is_known = x_.size() == n * ambient_ && (J == nullptr || has_J_) &&
@@ -75,12 +98,13 @@ void FunctionBatch::evaluate(const Values& values, const int* index, int first, 
 void FunctionBatch::evaluate_at(int i, const double* const* ambient, double* r, double* J) const {
   std::vector<double> x;
   for (int k = 0; k < arity(); ++k) x.insert(x.end(), ambient[k], ambient[k] + function_->types[k]->ambient());
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const Entered entered(this, mutex_);
   compute(1, &numbers_[i], x.data(), r, J);
 }
 
 void FunctionBatch::compute(int n, const int* numbers, const double* x, double* r, double* J) const {
   std::vector<std::vector<double>> parts(arity()), jacobians;
+  double* const J_begin = J;
   for (int i = 0; i < n; ++i)
     for (int k = 0; k < arity(); ++k) {
       const int ambient = function_->types[k]->ambient();
@@ -103,6 +127,7 @@ void FunctionBatch::compute(int n, const int* numbers, const double* x, double* 
     if (error_.empty()) error_ = error.what();
     const double nan = std::numeric_limits<double>::quiet_NaN();
     std::fill_n(r, static_cast<std::size_t>(n) * residual_dim(), nan);
+    if (J_begin != nullptr) std::fill_n(J_begin, static_cast<std::size_t>(n) * residual_dim() * total_dim(), nan);
   }
 }
 

@@ -22,8 +22,23 @@ void bind_graph(nb::module_& m);
 void bind_factors(nb::module_& m);
 void bind_functions(nb::class_<Graph>& graph);
 extern PyType_Slot graph_slots[];
+/// RuntimeError with what a function of the graph raised since it was last asked; KeyboardInterrupt where that was Ctrl-C.
+void raise_function_errors(const Graph& graph);
+void raise_interrupt();
 void bind_incremental(nb::module_& m);
 void bind_solvers(nb::module_& m);
+
+/// What evaluates a graph lets other threads run: a function factor takes the GIL for its call, and a thread that evaluates the same graph
+/// while it holds the GIL would wait for the one, and that one for the GIL.
+template <class Work>
+auto without_gil(const Graph& graph, const Work& work) {
+  auto result = [&] {
+    const nb::gil_scoped_release release;
+    return work();
+  }();
+  raise_function_errors(graph);
+  return result;
+}
 
 template <class T>
 std::string printed(const T& x) {

@@ -1,6 +1,8 @@
 // Python functions as factors: graph/function_factor.hpp with NumPy arrays.
+#include <atomic>
 #include <holdfast/graph/function_factor.hpp>
 #include <holdfast/graph/variables.hpp>
+#include <map>
 
 #include "bind.hpp"
 
@@ -59,6 +61,9 @@ void take(const char* what, nb::handle given, const std::vector<std::size_t>& sh
   std::copy_n(flat.data(), size, to);
 }
 
+/// Ctrl-C within a function: its solve ends as failed, and whoever asked for it raises.
+std::atomic<bool> was_interrupted{false};
+
 struct Callee {
   std::shared_ptr<nb::object> function;
   bool has_jacobian, is_vectorized;
@@ -67,8 +72,13 @@ struct Callee {
 
   void operator()(const FunctionCall& call) const {
     const nb::gil_scoped_acquire gil;
-    if (is_vectorized) return evaluate(call, 0, static_cast<std::size_t>(call.n));
-    for (int i = 0; i < call.n; ++i) evaluate(call, static_cast<std::size_t>(i), 1);
+    try {
+      if (is_vectorized) return evaluate(call, 0, static_cast<std::size_t>(call.n));
+      for (int i = 0; i < call.n; ++i) evaluate(call, static_cast<std::size_t>(i), 1);
+    } catch (const nb::python_error& error) {
+      if (error.matches(PyExc_KeyboardInterrupt)) was_interrupted = true;
+      throw;
+    }
   }
 
  private:
@@ -136,9 +146,19 @@ std::vector<FactorId> add_function(Graph& graph, nb::object function, const nb::
 int traverse_graph(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
   if (!nb::inst_ready(self)) return 0;
+  std::map<const FunctionFactors*, std::pair<const FunctionBatch*, long>> own;  // how many batches of this graph share it
   for (const auto& batch : nb::inst_ptr<Graph>(self)->batches())
-    if (const auto* functions = dynamic_cast<const FunctionBatch*>(batch.get()))
-      if (const Callee* callee = functions->function()->evaluate.target<Callee>()) Py_VISIT(callee->function->ptr());
+    if (const auto* functions = dynamic_cast<const FunctionBatch*>(batch.get())) {
+      auto& entry = own[functions->function().get()];
+      entry.first = functions;
+      ++entry.second;
+    }
+  for (const auto& [function, entry] : own) {
+    // There is one Python reference, however many share it: where another graph does, it is not this one's to give.
+    if (entry.first->function().use_count() != entry.second) continue;
+    if (const Callee* callee = function->evaluate.target<Callee>(); callee != nullptr && callee->function.use_count() == 1)
+      Py_VISIT(callee->function->ptr());
+  }
   return 0;
 }
 
@@ -148,6 +168,24 @@ int clear_graph(PyObject* self) {
 }
 
 }  // namespace
+
+void raise_interrupt() {
+  if (!was_interrupted.exchange(false)) return;
+  PyErr_SetNone(PyExc_KeyboardInterrupt);
+  throw nb::python_error();
+}
+
+void raise_function_errors(const Graph& graph) {
+  std::string text;
+  {
+    // Asking waits for a function that is being called, which waits for the GIL.
+    const nb::gil_scoped_release release;
+    for (const auto& batch : graph.batches())
+      if (const std::string error = batch->take_error(); !error.empty() && text.empty()) text = batch->name() + ": " + error;
+  }
+  raise_interrupt();
+  if (!text.empty()) throw std::runtime_error(text);
+}
 
 PyType_Slot graph_slots[] = {
     {Py_tp_traverse, reinterpret_cast<void*>(traverse_graph)}, {Py_tp_clear, reinterpret_cast<void*>(clear_graph)}, {0, nullptr}};

@@ -81,8 +81,13 @@ void bind_graph(nb::module_& m) {
       .def("is_fixed", &Graph::is_fixed, "key"_a)
       .def("set_weight", &Graph::set_weight, "id"_a, "weight"_a)
       .def("set_loss", nb::overload_cast<FactorId, const Loss&>(&Graph::set_loss), "id"_a, "loss"_a)
-      .def("cost", &Graph::cost, "values"_a, nb::call_guard<nb::gil_scoped_release>(), "Σ w ½ρ at these values")
-      .def("residual", &Graph::residual, "id"_a, "values"_a, "whitened")
+      .def(
+          "cost", [](const Graph& g, const Values& values) { return without_gil(g, [&] { return g.cost(values); }); }, "values"_a,
+          "Σ w ½ρ at these values")
+      .def(
+          "residual",
+          [](const Graph& g, FactorId id, const Values& values) { return without_gil(g, [&] { return g.residual(id, values); }); }, "id"_a,
+          "values"_a, "whitened")
       .def("factors_on", &Graph::factors_on, "key"_a)
       .def("__len__", &Graph::size)
       .def("__repr__", [](const Graph& g) { return printed(g); });
@@ -95,7 +100,9 @@ void bind_graph(nb::module_& m) {
       .def_prop_ro("is_error", [](const Finding& f) { return f.severity == Finding::Severity::error; })
       .def("__repr__", [](const Finding& f) { return f.text; });
   m.def("merged", &merged, "findings"_a, "findings that say the same of many keys as one");
-  m.def("check", nb::overload_cast<const Graph&, const Values&>(&check), "graph"_a, "values"_a, "what is wrong with a problem, by name");
+  m.def(
+      "check", [](const Graph& graph, const Values& values) { return without_gil(graph, [&] { return check(graph, values); }); }, "graph"_a,
+      "values"_a, "what is wrong with a problem, by name");
 }
 
 }  // namespace holdfast::python

@@ -54,8 +54,12 @@ Summary solve(Backend& backend, const Graph& graph, Values& values) {
     }
     return !asked || asked(iteration);
   };
-  const nb::gil_scoped_release release;
-  return backend.solve(graph, values);
+  Summary summary = [&] {
+    const nb::gil_scoped_release release;
+    return backend.solve(graph, values);
+  }();
+  raise_interrupt();
+  return summary;
 }
 
 }  // namespace
@@ -120,7 +124,12 @@ void bind_solvers(nb::module_& m) {
       nb::rv_policy::take_ownership, "'gnc-irls' is irls in graduated non-convexity, and so with every name");
 
   nb::class_<Marginals>(m, "Marginals")
-      .def(nb::init<const Graph&, const Values&>(), "graph"_a, "values"_a)
+      .def(
+          "__init__",
+          [](Marginals* self, const Graph& graph, const Values& values) {
+            new (self) Marginals(without_gil(graph, [&] { return Marginals(graph, values); }));
+          },
+          "graph"_a, "values"_a)
       .def(
           "covariance", [](const Marginals& c, Key key) { return square(c.covariance(key)); }, "key"_a)
       .def(
@@ -137,8 +146,9 @@ void bind_solvers(nb::module_& m) {
       .def_ro("weight", &MeasurementReport::weight, "1 is believed, 0 is ignored")
       .def_prop_ro("verdict", [](const MeasurementReport& one) { return std::string(to_string(one.verdict)); });
   m.def(
-      "outlier_report", [](const Graph& graph, const Values& values) { return outlier_report(graph, values); }, "graph"_a, "values"_a,
-      "which measurements the losses believe at these values");
+      "outlier_report",
+      [](const Graph& graph, const Values& values) { return without_gil(graph, [&] { return outlier_report(graph, values); }); }, "graph"_a,
+      "values"_a, "which measurements the losses believe at these values");
 
   m.def(
       "read_problem",

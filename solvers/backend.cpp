@@ -9,6 +9,7 @@ Summary Backend::solve(const Graph& graph, Values& values) {
   const Stopwatch watch;
   options.validate();
   if (graph.size() == 0) fail<BadProblem>("the graph has no factors; add measurements before solving");
+  for (const auto& batch : graph.batches()) batch->take_error();  // of evaluations before this solve
   scratch_ = values;
   Summary summary = minimize(graph, scratch_);
   for (const auto& batch : graph.batches())

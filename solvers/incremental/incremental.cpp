@@ -43,6 +43,12 @@ namespace {
 
 constexpr double kFullAccuracy = 1e-7;
 
+/// What a function factor threw, to be appended; "" for the others.
+std::string said_by(const FactorBatch& batch) {
+  const std::string error = batch.take_error();
+  return error.empty() ? error : ": " + error;
+}
+
 /// The parts of a factor's contribution (FactorBatch::contributions) that belong to variables of the tree, as one matrix.
 void unpack(const FactorBatch& batch, const std::vector<char>& is_free, const double* from, std::vector<double>& H,
             std::vector<double>& g) {
@@ -298,7 +304,8 @@ void Incremental::linearize(FactorId id, const std::vector<int>* known) {
   s.contribution.resize(batch.stride());
   batch.contributions(start_, s.index[place.batch].data(), place.index, place.index + 1, Curvature::irls, s.contribution.data());
   if (!std::all_of(s.contribution.begin(), s.contribution.end(), [](double x) { return std::isfinite(x); }))
-    fail<BadNumber>(batch.describe(place.index), ": its residual or Jacobian is not finite; remove() it, or check its measurement");
+    fail<BadNumber>(batch.describe(place.index), ": its residual or Jacobian is not finite; remove() it, or check its measurement",
+                    said_by(batch));
   s.is_free.assign(batch.arity(), 1);
   if (known == nullptr || static_cast<int>(known->size()) < batch.arity()) {
     s.numbers.clear();

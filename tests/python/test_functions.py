@@ -2,6 +2,7 @@
 import gc
 import math
 import sys
+import threading
 import weakref
 
 import holdfast as hf
@@ -86,9 +87,9 @@ def test_an_exception_ends_the_solve_and_the_values_stay():
 @pytest.mark.parametrize("bad, said", [
     (lambda which, pose, point: np.zeros((len(which), 2)), "shape"),
     (lambda which, pose, point: "nothing", "could not convert"),
-    (lambda which, pose, point: None, ""),
+    (lambda which, pose, point: None, "shape"),
     (lambda which: 0, "positional argument"),
-    (lambda which, pose, point: np.full(len(which), np.nan), ""),
+    (lambda which, pose, point: np.full(len(which), np.nan), "not finite"),
 ])
 def test_wrong_shapes_and_types_are_said(bad, said):
     graph, values, keys, _ = problem()
@@ -96,6 +97,83 @@ def test_wrong_shapes_and_types_are_said(bad, said):
     end = hf.make_backend("irls").solve(graph, values)
     assert end.termination == "failed"
     assert said in end.why
+
+
+def test_ctrl_c_in_a_function_stops_the_solve():
+    graph, values, keys, distances = problem()
+
+    def interrupted(which, pose, point):
+        raise KeyboardInterrupt
+
+    graph.add_function(interrupted, [hf.Pose2, hf.Point2], keys, 1)
+    before = repr(values)
+    with pytest.raises(KeyboardInterrupt):
+        hf.make_backend("irls").solve(graph, values)
+    assert repr(values) == before
+
+
+def test_what_it_raises_elsewhere_is_raised_there_and_forgotten():
+    graph, values, keys, distances = problem()
+    state = {"bad": True}
+
+    def moody(which, pose, point):
+        if state["bad"]:
+            raise ValueError("not now")
+        return ranges(distances)(which, pose, point)
+
+    graph.add_function(moody, [hf.Pose2, hf.Point2], keys, 1, name="Moody")
+    for what in (lambda: graph.cost(values), lambda: hf.Marginals(graph, values), lambda: hf.outlier_report(graph, values)):
+        with pytest.raises(RuntimeError, match="(?s)Moody.*not now|not finite"):
+            what()
+    state["bad"] = False
+    assert hf.make_backend("irls").solve(graph, values).usable
+
+
+def test_other_threads_may_evaluate_the_graph_during_a_solve():
+    graph, values, keys, distances = problem()
+    ids = graph.add_function(ranges(distances), [hf.Pose2, hf.Point2], keys, 1)
+    start = hf.Values(values)
+    failures = []
+
+    def evaluate():
+        try:
+            for _ in range(50):
+                graph.residual(ids[0], start)
+                graph.cost(start)
+        except Exception as error:  # pylint: disable=broad-except
+            failures.append(error)
+
+    threads = [threading.Thread(target=evaluate, daemon=True) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for _ in range(5):
+        hf.make_backend("irls").solve(graph, hf.Values(start))
+    for thread in threads:
+        thread.join(60)
+        assert not thread.is_alive()
+    assert not failures
+
+
+def test_a_function_that_evaluates_its_own_graph_is_refused():
+    graph, values, keys, distances = problem()
+    graph.add_function(lambda which, pose, point: np.full(len(which), graph.cost(values)), [hf.Pose2, hf.Point2], keys, 1)
+    end = hf.make_backend("irls").solve(graph, values)
+    assert end.termination == "failed" and "its own factors" in end.why
+
+
+def test_a_copy_that_only_the_function_holds_lives_as_long_as_it():
+    graph, values, keys, distances = problem()
+    holder = {}
+
+    def residual(which, pose, point, holder=holder):
+        return ranges(distances)(which, pose, point)
+
+    graph.add_function(residual, [hf.Pose2, hf.Point2], keys, 1)
+    holder["copy"] = hf.Graph(graph)
+    del graph
+    gc.collect()
+    assert residual(np.arange(2), np.ones((2, 4)), np.zeros((2, 2))).shape == (2,)
+    assert hf.make_backend("irls").solve(holder["copy"], values).usable
 
 
 def test_what_is_no_function_is_refused():
