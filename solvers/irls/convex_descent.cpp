@@ -6,6 +6,7 @@ namespace holdfast::detail {
 namespace {
 
 constexpr double kFirstLambda = 1, kGrow = 3, kFall = 0.1, kLeastLambda = 1e-12, kMostLambda = 1e9;
+constexpr double kWeakLambda = 1e-6;  // a model damped by more may predict little far from the minimum
 constexpr double kArmijo = 1e-4;
 constexpr int kMostCuts = 40;
 constexpr double kRounding = 1e-14;  // of the cost: a decrease below this cannot be measured
@@ -26,28 +27,51 @@ void ConvexDescent::minimize(const Graph& graph, NewtonSystem& system, Values& v
   progress.watch.lap(summary.seconds_linearize);
   if (!progress.begin(first, graph, system.resolved(), values)) return;
   lambda_ = kFirstLambda;
+  bool is_at_end = false;
   double gradient_norm = max_norm(system.gradient());
   while (!progress.gradient_is_flat(gradient_norm) && progress.go_on(gradient_norm)) {
     ++summary.iterations;
-    const bool goes_on = step(graph, system, values, progress);
+    const double before = summary.cost;
+    const Step taken = step(graph, system, values, progress);
     system.linearize(graph, values, Curvature::exact);
     progress.watch.lap(summary.seconds_linearize);
     gradient_norm = max_norm(system.gradient());
-    if (!goes_on) break;
+    is_at_end = taken != Step::goes_on && is_at_minimum(system, taken, before, progress);
+    if (is_at_end || taken == Step::failed) break;
   }
   summary.gradient_norm = gradient_norm;
-  if (summary.termination == Termination::failed) return;
+  if (summary.termination != Termination::failed && !is_at_end) predict_undamped(system, progress);
+}
+
+// The decrease that the model predicts with next to no damping: the Summary's decrement.
+double ConvexDescent::predict_undamped(NewtonSystem& system, Progress& progress) {
   update_scales(system);
-  summary.decrement = system.solve_damped(lambda_, scales_, step_);
-  progress.watch.lap(summary.seconds_solve);
+  progress.summary.decrement = system.solve_damped(std::min(lambda_, kWeakLambda), scales_, step_);
+  progress.watch.lap(progress.summary.seconds_solve);
+  return progress.summary.decrement;
+}
+
+// A step may be short for its damping alone.
+bool ConvexDescent::is_at_minimum(NewtonSystem& system, Step taken, double before, Progress& progress) {
+  const double cost = progress.summary.cost;
+  if (predict_undamped(system, progress) > std::max(progress.cost_tolerance(), kRounding) * cost) {
+    if (taken == Step::short_of_decrease) return false;
+    if (lambda_ > kWeakLambda) {  // the same damping again would find the same
+      lambda_ = kWeakLambda;
+      return false;
+    }
+  }
+  if (taken == Step::short_of_decrease) return progress.decrease_is_small(before, cost);
+  progress.end(Termination::converged, taken == Step::nothing_predicted ? "the model predicts no decrease beyond rounding"
+                                                                        : "no step, however short, lowers the cost");
+  return true;
 }
 
 void ConvexDescent::update_scales(const NewtonSystem& system) {
   for (std::size_t i = 0; i < scales_.size(); ++i) scales_[i] = std::max(scales_[i], system.diagonal()[i]);
 }
 
-// False where it was the last one.
-bool ConvexDescent::step(const Graph& graph, NewtonSystem& system, Values& values, Progress& progress) {
+ConvexDescent::Step ConvexDescent::step(const Graph& graph, NewtonSystem& system, Values& values, Progress& progress) {
   Summary& summary = progress.summary;
   update_scales(system);
   double predicted = system.solve_damped(lambda_, scales_, step_);
@@ -56,28 +80,23 @@ bool ConvexDescent::step(const Graph& graph, NewtonSystem& system, Values& value
   progress.watch.lap(summary.seconds_solve);
   if (!std::isfinite(predicted)) {
     progress.end(Termination::failed, "the normal equations are not positive definite under any damping");
-    return false;
+    return Step::failed;
   }
   const double before = summary.cost;
-  if (predicted <= kRounding * before) {
-    progress.end(Termination::converged, "the model predicts no decrease beyond rounding");
-    return false;
-  }
+  if (predicted <= kRounding * before) return Step::nothing_predicted;
   system.to_tangent(step_, tangent_);
   double cost = before;
   const double t = search(graph, system, values, before, dot(system.gradient(), step_), cost);
   progress.watch.lap(summary.seconds_linearize);
-  if (t == 0) {
-    progress.end(Termination::converged, "no step, however short, lowers the cost");
-    return false;
-  }
+  if (t == 0) return Step::nothing_lower;
   std::swap(values, candidate_);
   summary.cost = cost;
   if (t < 1)
     lambda_ = std::max(kGrow * lambda_, kLeastLambda);
   else
     lambda_ = lambda_ <= kLeastLambda ? 0 : kFall * lambda_;
-  return !(t == 1 && predicted <= progress.cost_tolerance() * before && progress.decrease_is_small(before, cost));
+  const double small = progress.cost_tolerance() * before;
+  return t == 1 && predicted <= small && before - cost <= small ? Step::short_of_decrease : Step::goes_on;
 }
 
 double ConvexDescent::search(const Graph& graph, NewtonSystem& system, const Values& values, double before, double slope, double& cost) {

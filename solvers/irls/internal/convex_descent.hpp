@@ -17,12 +17,18 @@ class ConvexDescent {
   /// convex) and D the largest that its diagonal has been: where a variable is nearly free, λ diag H would let it go far, and one such
   /// makes steps short for all. The step is t δ with t = 1, ½, ¼, … until f(x ⊕ tδ) ≤ f(x) + 10⁻⁴ t gᵀδ (Armijo). λ begins at 1, falls
   /// tenfold after a whole step, to 0 in the end, and grows threefold after a cut.
+  /// It ends as converged only where the model with next to no damping (λ ≤ 1e-6), too, predicts less than cost_tolerance of the cost: a
+  /// damped step is short far from the minimum, too.
   /// No first-order steps come first: on networks of 10³ to 10⁵ nodes they took longer than the Newton steps that they spared.
   void minimize(const Graph& graph, NewtonSystem& system, Values& values, Progress& progress);
 
  private:
+  enum class Step { goes_on, short_of_decrease, nothing_predicted, nothing_lower, failed };
+
+  double predict_undamped(NewtonSystem& system, Progress& progress);
+  bool is_at_minimum(NewtonSystem& system, Step taken, double before, Progress& progress);
   void update_scales(const NewtonSystem& system);
-  bool step(const Graph& graph, NewtonSystem& system, Values& values, Progress& progress);
+  Step step(const Graph& graph, NewtonSystem& system, Values& values, Progress& progress);
   /// The step length, or 0; `candidate_` is where it leads, `cost` the cost there.
   double search(const Graph& graph, NewtonSystem& system, const Values& values, double before, double slope, double& cost);
 

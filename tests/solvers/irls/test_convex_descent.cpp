@@ -92,6 +92,26 @@ TEST(ConvexDescent, TheSameFromAnyStart) {
   }
 }
 
+// A step that a strong damping made short is no sign of a minimum: what `converged` says is held against a run to the bottom.
+TEST(ConvexDescent, WhatConvergedIsWithinToleranceOfTheMinimum) {
+  int converged = 0;
+  for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-6})
+    for (std::uint64_t seed = 0; seed < 50; ++seed) {
+      const Problem problem = network(20 + 4 * static_cast<int>(seed), seed);
+      Options options;
+      options.cost_tolerance = 1e-14;
+      Values bottom = problem.start;
+      const double least = make_backend("irls", options)->solve(problem.graph, bottom).cost;
+      options.cost_tolerance = tolerance;
+      Values values = problem.start;
+      const Summary end = make_backend("irls", options)->solve(problem.graph, values);
+      if (end.termination != Termination::converged) continue;
+      ++converged;
+      EXPECT_LE(end.cost - least, tolerance * end.cost) << "seed " << seed << ", tolerance " << tolerance << ": " << end.str();
+    }
+  EXPECT_EQ(converged, 200);
+}
+
 TEST(ConvexDescent, IsNotTakenWhereSomethingIsNotConvex) {
   Problem problem = network(10, 0);
   EXPECT_TRUE(is_convex_problem(problem.graph));
