@@ -7,6 +7,7 @@
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <holdfast/graph/graph.hpp>
@@ -19,7 +20,12 @@ using namespace nb::literals;
 
 void bind_variables(nb::module_& m);
 void bind_graph(nb::module_& m);
-void bind_factors(nb::module_& m);
+void bind_losses(nb::module_& m);
+void bind_pose_factors(nb::module_& m);
+void bind_range_factors(nb::module_& m);
+void bind_radio_factors(nb::module_& m);
+void bind_bearing_factors(nb::module_& m);
+void bind_motion_factors(nb::module_& m);
 void bind_functions(nb::class_<Graph>& graph);
 extern PyType_Slot graph_slots[];
 /// RuntimeError with what a function of the graph raised since it was last asked; KeyboardInterrupt where that was Ctrl-C.
@@ -51,7 +57,8 @@ std::string printed(const T& x) {
 template <class M>
 M numbers(const char* what, nb::handle given) {
   try {
-    return nb::cast<M>(nb::module_::import_("numpy").attr("ascontiguousarray")(given, "float64"));
+    if (!given.is_none())  // of which NumPy makes a NaN
+      return nb::cast<M>(nb::module_::import_("numpy").attr("ascontiguousarray")(given, "float64"));
   } catch (const std::bad_cast&) {
   } catch (const nb::python_error&) {
   }

@@ -1,4 +1,5 @@
 #include <holdfast/graph/check.hpp>
+#include <holdfast/graph/files/binary.hpp>
 #include <holdfast/graph/print.hpp>
 
 #include "bind.hpp"
@@ -35,6 +36,21 @@ nb::object error(nb::module_& m, const char* name, const Base& base) {
   return nb::exception<E>(m, name, base.ptr());
 }
 
+/// For pickle: the library's own file, which brings back every bit and every FactorId (graph/files/binary.hpp).
+nb::bytes to_bytes(const Graph& graph, const Values& values) {
+  io::ByteWriter out;
+  io::write_binary(out, graph, values);
+  return nb::bytes(out.bytes().data(), out.bytes().size());
+}
+
+std::pair<Graph, Values> from_bytes(const nb::bytes& bytes) {
+  std::pair<Graph, Values> both;
+  io::ByteReader in(std::string_view(bytes.c_str(), bytes.size()));
+  io::read_binary(in, both.first, both.second);
+  if (!in.at_end()) fail<BadFile>("a pickled graph or values with more bytes than it has");
+  return both;
+}
+
 }  // namespace
 
 void bind_graph(nb::module_& m) {
@@ -45,13 +61,7 @@ void bind_graph(nb::module_& m) {
   error<BadOption>(m, "BadOption", base);
   error<BadFile>(m, "BadFile", base);
 
-  nb::class_<Loss>(m, "Loss")
-      .def(
-          "__init__", [](Loss* loss, const std::string& text) { new (loss) Loss(Loss::parse(text)); }, "text"_a,
-          "'huber:2', 'cauchy:1:component', 'truncated_squares:3:one_sided', …")
-      .def("__eq__", [](const Loss& a, const Loss& b) { return a == b; })
-      .def("__repr__", &Loss::str);
-  nb::implicitly_convertible<std::string, Loss>();
+  bind_losses(m);
 
   nb::class_<Values> values(m, "Values");
   values.def(nb::init<>())
@@ -64,12 +74,26 @@ void bind_graph(nb::module_& m) {
           "__iter__", [](const Values& v) { return nb::iter(nb::cast(v.keys())); }, "over the keys, sorted")
       .def("__contains__", [](const Values& v, Key key) { return v.contains(key); })
       .def("__len__", &Values::size)
+      .def("__getstate__", [](const Values& v) { return to_bytes(Graph(), v); })
+      .def("__setstate__",
+           [](Values& v, const nb::bytes& bytes) {
+             auto [graph, values] = from_bytes(bytes);
+             new (&v) Values(std::move(values));
+           })
       .def("__repr__", [](const Values& v) { return printed(v); });
   bind_values(values, Variables());
 
-  nb::class_<FactorId>(m, "FactorId").def_ro("number", &FactorId::number).def("__repr__", [](FactorId id) {
-    return "FactorId(" + std::to_string(id.number) + ")";
-  });
+  nb::class_<FactorId>(m, "FactorId")
+      .def_ro("number", &FactorId::number)
+      .def("__eq__", [](FactorId a, FactorId b) { return a.number == b.number && a.generation == b.generation; })
+      .def("__eq__", [](FactorId, nb::handle) { return nb::borrow(Py_NotImplemented); })
+      .def("__hash__", [](FactorId id) { return std::hash<std::uint64_t>()((std::uint64_t{id.generation} << 32) + id.number); })
+      .def("__getstate__", [](FactorId id) { return nb::make_tuple(id.number, id.generation); })
+      .def("__setstate__",
+           [](FactorId& id, const std::tuple<int, unsigned>& state) {
+             new (&id) FactorId{std::get<0>(state), std::get<1>(state)};
+           })
+      .def("__repr__", [](FactorId id) { return "FactorId(" + std::to_string(id.number) + ")"; });
   nb::class_<Graph> graph(m, "Graph", nb::type_slots(graph_slots));
   graph.def(nb::init<>())
       .def(
@@ -90,6 +114,12 @@ void bind_graph(nb::module_& m) {
           "values"_a, "whitened")
       .def("factors_on", &Graph::factors_on, "key"_a)
       .def("__len__", &Graph::size)
+      .def("__getstate__", [](const Graph& g) { return to_bytes(g, Values()); })
+      .def("__setstate__",
+           [](Graph& g, const nb::bytes& bytes) {
+             auto [graph, values] = from_bytes(bytes);
+             new (&g) Graph(std::move(graph));
+           })
       .def("__repr__", [](const Graph& g) { return printed(g); });
   bind_functions(graph);
 

@@ -12,6 +12,7 @@ nb::class_<V> bind_variable(nb::module_& m) {
   c.def("local", &V::local, "other"_a, "other ⊖ x: x.retract(x.local(y)) == y");
   c.def("__repr__", [](const V& x) { return printed(x); });
   c.def("__eq__", [](const V& a, const V& b) { return std::memcmp(&a, &b, sizeof(V)) == 0; });
+  c.def("__eq__", [](const V&, nb::handle) { return nb::borrow(Py_NotImplemented); });
   c.def("__getstate__", [](const V& x) {
     const auto* p = reinterpret_cast<const double*>(&x);
     return std::vector<double>(p, p + ambient_dim<V>);

@@ -1,22 +1,9 @@
-// Every factor by one template over its fields (graph/fields.hpp): a new factor is one line at the end.
-#include <holdfast/factors/antenna_range.hpp>
-#include <holdfast/factors/between.hpp>
-#include <holdfast/factors/constant_turn.hpp>
-#include <holdfast/factors/coordinated_turn.hpp>
-#include <holdfast/factors/missing_distance.hpp>
-#include <holdfast/factors/position_step.hpp>
-#include <holdfast/factors/prior.hpp>
-#include <holdfast/factors/range.hpp>
-#include <holdfast/factors/range_bearing.hpp>
-#include <holdfast/factors/relative_point.hpp>
-#include <holdfast/factors/von_mises_bearing.hpp>
-#include <holdfast/factors/white_acceleration.hpp>
-#include <holdfast/factors/white_jerk.hpp>
+// Every factor by one template over its fields (graph/fields.hpp): a new factor is one line in the source of its topic.
+#pragma once
 
 #include "bind.hpp"
 
 namespace holdfast::python {
-namespace {
 
 template <class F, class = void>
 struct HasFromSigmas : std::false_type {};
@@ -105,6 +92,34 @@ FactorId add(Graph& graph, const F& factor, const FactorKeys<F::Variables::size>
     return graph.add(factor, keys, Loss{}, *weight);
 }
 
+/// The bits of its fields: what makes two factors equal.
+template <class F>
+std::string bytes_of(const F& factor) {
+  std::string bytes(detail::field_bytes<F>(), '\0');
+  char* out = bytes.data();
+  detail::put_field(factor, out);
+  return bytes;
+}
+
+/// For pickle: its fields with their types, and their bits.
+template <class F>
+nb::tuple state_of(const F& factor) {
+  const std::string bytes = bytes_of(factor);
+  return nb::make_tuple(detail::types_of_fields<F>(), nb::bytes(bytes.data(), bytes.size()));
+}
+
+template <class F>
+F from_state(const nb::tuple& state) {
+  const auto fields = nb::cast<std::string>(state[0]);
+  const auto bytes = nb::cast<nb::bytes>(state[1]);
+  if (fields != detail::types_of_fields<F>() || bytes.size() != detail::field_bytes<F>())
+    fail<BadFile>("the pickled ", F::name(), " has the fields {", fields, "}, here it has {", detail::types_of_fields<F>(), "}");
+  F factor{};
+  const char* in = bytes.c_str();
+  detail::get_field(factor, in);
+  return factor;
+}
+
 template <class F, std::size_t... I>
 std::string name_of(std::index_sequence<I...>) {
   return F::name() + (std::string() + ... + (std::string("_") + F::Variables::template type<I>::name()));
@@ -112,7 +127,7 @@ std::string name_of(std::index_sequence<I...>) {
 
 /// Range_Pose2_Point2, which holdfast/__init__.py gives as Range[Pose2, Point2].
 template <class F>
-void bind_factor(nb::module_& m) {
+nb::class_<F> bind_factor(nb::module_& m) {
   const std::string name = name_of<F>(std::make_index_sequence<F::Variables::size>());
   nb::class_<F> c(m, name.c_str());
   c.def("__init__", [](F* self, const nb::args& args, const nb::kwargs& named) { new (self) F(from_arguments<F>(args, named)); });
@@ -155,42 +170,11 @@ void bind_factor(nb::module_& m) {
       },
       "graph"_a, "keys"_a, "loss"_a.none(), "weight"_a.none());
   c.attr("fields") = detail::types_of_fields<F>();
-}
-
-}  // namespace
-
-void bind_factors(nb::module_& m) {
-  bind_factor<Prior<Point2>>(m);
-  bind_factor<Prior<Point3>>(m);
-  bind_factor<Prior<Pose2>>(m);
-  bind_factor<Prior<Pose3>>(m);
-  bind_factor<Prior<Motion2>>(m);
-  bind_factor<Prior<Motion3>>(m);
-  bind_factor<Prior<Scalar>>(m);
-  bind_factor<Between<Pose2>>(m);
-  bind_factor<Between<Pose3>>(m);
-  bind_factor<Range<Pose2, Point2>>(m);
-  bind_factor<Range<Pose2, Pose2>>(m);
-  bind_factor<Range<Point2, Point2>>(m);
-  bind_factor<Range<Motion2, Point2>>(m);
-  bind_factor<Range<Pose3, Point3>>(m);
-  bind_factor<Range<Pose3, Pose3>>(m);
-  bind_factor<Range<Point3, Point3>>(m);
-  bind_factor<RangeBall<Point2, Point2>>(m);
-  bind_factor<RangeBall<Point3, Point3>>(m);
-  bind_factor<AntennaRange<Pose3, Point3>>(m);
-  bind_factor<RangeBearing<Point2, Point2>>(m);
-  bind_factor<RelativePoint<Pose2, Point2>>(m);
-  bind_factor<RelativePoint<Pose3, Point3>>(m);
-  bind_factor<PositionStep<Point2, Point2>>(m);
-  bind_factor<VonMisesBearingBody<Pose2, Point2>>(m);
-  bind_factor<VonMisesBearingBody<Pose3, Point3>>(m);
-  bind_factor<WhiteAcceleration<Motion2>>(m);
-  bind_factor<WhiteJerk<Accel2>>(m);
-  bind_factor<ConstantTurn<Motion2>>(m);
-  bind_factor<CoordinatedTurn>(m);
-  bind_factor<MissingDistance<Motion2, Point2>>(m);
-  bind_factor<MissingDistance<Point2, Point2>>(m);
+  c.def("__getstate__", [](const F& factor) { return state_of(factor); });
+  c.def("__setstate__", [](F& factor, const nb::tuple& state) { new (&factor) F(from_state<F>(state)); });
+  c.def("__eq__", [](const F& a, const F& b) { return bytes_of(a) == bytes_of(b); });
+  c.def("__eq__", [](const F&, nb::handle) { return nb::borrow(Py_NotImplemented); });
+  return c;
 }
 
 }  // namespace holdfast::python
