@@ -1,6 +1,8 @@
 // Every factor by one template over its fields (graph/fields.hpp): a new factor is one line in the source of its topic.
 #pragma once
 
+#include <holdfast/solvers/window/schedule.hpp>
+
 #include "bind.hpp"
 
 namespace holdfast::python {
@@ -166,6 +168,7 @@ nb::class_<F> bind_factor(nb::module_& m) {
   c.def(
       "_add",
       [](const F& factor, Graph& graph, const std::vector<Key>& keys, const std::optional<Loss>& loss, std::optional<double> weight) {
+        require_unused(&graph, "Graph");
         return add(graph, factor, keys_of<F>(keys), loss, weight);
       },
       "graph"_a, "keys"_a, "loss"_a.none(), "weight"_a.none());

@@ -5,7 +5,7 @@
 #include <holdfast/factors/white_acceleration.hpp>
 #include <holdfast/factors/white_jerk.hpp>
 
-#include "bind_factor.hpp"
+#include "bind_window.hpp"
 
 namespace holdfast::python {
 
@@ -15,10 +15,12 @@ template <class V>
 void bind_white_acceleration(nb::module_& m) {
   using F = WhiteAcceleration<V>;
   using Square = typename F::Square;
-  bind_factor<F>(m)
-      .def_static(
-          "exact", [](double dt, int steps, nb::handle R) { return F::exact(dt, steps, numbers<Square>("R", R)); }, "dt"_a, "steps"_a,
-          "R"_a, "R: covariance of the noise of each step")
+  auto c = bind_factor<F>(m);
+  bind_stepped_motion(c);
+  bind_odometry(c);
+  c.def_static(
+       "exact", [](double dt, int steps, nb::handle R) { return F::exact(dt, steps, numbers<Square>("R", R)); }, "dt"_a, "steps"_a, "R"_a,
+       "R: covariance of the noise of each step")
       .def_static("continuous", &F::continuous, "duration"_a, "q"_a, "q: density of the acceleration [m²/s³]")
       .def_static(
           "paper", [](double dt, int steps, nb::handle R) { return F::paper(dt, steps, numbers<Square>("R", R)); }, "dt"_a, "steps"_a,
@@ -41,8 +43,10 @@ void bind_white_acceleration(nb::module_& m) {
 template <class V>
 void bind_white_jerk(nb::module_& m) {
   using F = WhiteJerk<V>;
-  bind_factor<F>(m)
-      .def_static("continuous", &F::continuous, "duration"_a, "q"_a, "q: density of the jerk [m²/s⁵]")
+  auto c = bind_factor<F>(m);
+  bind_stepped_motion(c);
+  bind_odometry(c);
+  c.def_static("continuous", &F::continuous, "duration"_a, "q"_a, "q: density of the jerk [m²/s⁵]")
       .def("merged", &F::merged, "m"_a, "one factor for m times as many steps");
 }
 
@@ -85,7 +89,8 @@ void bind_motion_factors(nb::module_& m) {
         return ConstantTurn<Motion2>::from_covariance(dt, omega, numbers<Matrix<4, 4>>("covariance", covariance));
       },
       "dt"_a, "omega"_a, "covariance"_a);
-  bind_factor<CoordinatedTurn>(m);
+  auto turn = bind_factor<CoordinatedTurn>(m);
+  bind_motion(turn);
   bind_huber_measurement<Point2>(m);
   bind_huber_measurement<Point3>(m);
   bind_huber_measurement<Motion2>(m);

@@ -4,7 +4,7 @@
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/factors/relative_point.hpp>
 
-#include "bind_factor.hpp"
+#include "bind_window.hpp"
 
 namespace holdfast::python {
 
@@ -19,15 +19,17 @@ void bind_pose_factors(nb::module_& m) {
   bind_factor<Prior<Accel3>>(m);
   bind_factor<Prior<Scalar>>(m);
   bind_factor<Prior<Turning2>>(m);
-  bind_factor<Between<Pose2>>(m);
-  bind_factor<Between<Pose3>>(m);
+  auto between2 = bind_factor<Between<Pose2>>(m);
+  auto between3 = bind_factor<Between<Pose3>>(m);
+  bind_odometry(between2);
+  bind_odometry(between3);
   bind_factor<Between<Point2>>(m);
   bind_factor<Between<Point3>>(m);
   bind_factor<Between<Scalar>>(m);
-  bind_factor<RelativePoint<Pose2, Point2>>(m);
-  bind_factor<RelativePoint<Pose3, Point3>>(m);
-  bind_factor<RelativePoint<Pose2, Pose2>>(m);
-  bind_factor<RelativePoint<Pose3, Pose3>>(m);
+  bind_measurement<RelativePoint<Pose2, Point2>>(m);
+  bind_measurement<RelativePoint<Pose3, Point3>>(m);
+  bind_measurement<RelativePoint<Pose2, Pose2>>(m);
+  bind_measurement<RelativePoint<Pose3, Pose3>>(m);
   bind_factor<PositionStep<Point2, Point2>>(m);
   bind_factor<PositionStep<Point3, Point3>>(m);
 }

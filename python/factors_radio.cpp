@@ -4,15 +4,15 @@
 #include <holdfast/factors/time_difference.hpp>
 #include <holdfast/factors/two_way_range.hpp>
 
-#include "bind_factor.hpp"
+#include "bind_window.hpp"
 
 namespace holdfast::python {
 
 void bind_radio_factors(nb::module_& m) {
-  bind_factor<AntennaRange<Pose2, Point2>>(m);
-  bind_factor<AntennaRange<Pose2, Pose2>>(m);
-  bind_factor<AntennaRange<Pose3, Point3>>(m);
-  bind_factor<AntennaRange<Pose3, Pose3>>(m);
+  bind_measurement<AntennaRange<Pose2, Point2>>(m);
+  bind_measurement<AntennaRange<Pose2, Pose2>>(m);
+  bind_measurement<AntennaRange<Pose3, Point3>>(m);
+  bind_measurement<AntennaRange<Pose3, Pose3>>(m);
   bind_factor<AntennaRangeWithBias<Pose2, Point2>>(m);
   bind_factor<AntennaRangeWithBias<Pose2, Pose2>>(m);
   bind_factor<AntennaRangeWithBias<Pose3, Point3>>(m);

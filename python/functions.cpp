@@ -16,14 +16,6 @@ const PoolBase* prototype_of(nb::handle type) {
   return found;
 }
 
-/// A callable that threads without the GIL may hold and let go.
-std::shared_ptr<nb::object> held(nb::object callable) {
-  return {new nb::object(std::move(callable)), [](nb::object* object) {
-            const nb::gil_scoped_acquire gil;
-            delete object;
-          }};
-}
-
 /// A copy as a NumPy array: Python may keep it.
 template <class T>
 nb::object array(const T* from, std::initializer_list<std::size_t> shape) {
@@ -119,7 +111,7 @@ struct Callee {
 
 std::vector<FactorId> add_function(Graph& graph, nb::object function, const nb::sequence& types, const std::vector<std::vector<Key>>& keys,
                                    int residual_dim, const Loss& loss, const std::string& name, bool jacobian, bool vectorized) {
-  if (PyCallable_Check(function.ptr()) == 0) throw nb::type_error("function must be callable");
+  require_unused(&graph, "Graph");
   auto factors = std::make_shared<FunctionFactors>();
   factors->name = name;
   factors->residual_dim = residual_dim;
@@ -168,6 +160,15 @@ int clear_graph(PyObject* self) {
 }
 
 }  // namespace
+
+std::shared_ptr<nb::object> held(nb::object callable) {
+  if (PyCallable_Check(callable.ptr()) == 0)
+    throw nb::type_error(("a function is needed, not " + nb::cast<std::string>(nb::repr(callable))).c_str());
+  return {new nb::object(std::move(callable)), [](nb::object* object) {
+            const nb::gil_scoped_acquire gil;
+            delete object;
+          }};
+}
 
 void raise_interrupt() {
   if (!was_interrupted.exchange(false)) return;

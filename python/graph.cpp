@@ -7,6 +7,15 @@
 namespace holdfast::python {
 namespace {
 
+Graph& unused(Graph& graph) {
+  require_unused(&graph, "Graph");
+  return graph;
+}
+Values& unused(Values& values) {
+  require_unused(&values, "Values");
+  return values;
+}
+
 template <class... V>
 struct Types {};
 using Variables = Types<Point2, Point3, Motion2, Motion3, Accel2, Accel3, Turning2, Scalar, Pose2, Pose3>;
@@ -22,10 +31,10 @@ nb::object value_at(const Values& values, Key key, Types<V...>) {
 template <class... V>
 void bind_values(nb::class_<Values>& c, Types<V...> types) {
   (c.def(
-       "insert", [](Values& values, Key key, const V& x) { values.insert(key, x); }, "key"_a, "value"_a),
+       "insert", [](Values& values, Key key, const V& x) { unused(values).insert(key, x); }, "key"_a, "value"_a),
    ...);
   (c.def(
-       "update", [](Values& values, Key key, const V& x) { values.update(key, x); }, "key"_a, "value"_a),
+       "update", [](Values& values, Key key, const V& x) { unused(values).update(key, x); }, "key"_a, "value"_a),
    ...);
   c.def(
       "__getitem__", [types](const Values& values, Key key) { return value_at(values, key, types); }, "key"_a);
@@ -53,6 +62,22 @@ std::pair<Graph, Values> from_bytes(const nb::bytes& bytes) {
 
 }  // namespace
 
+Key key_of(nb::handle given) {
+  if (nb::isinstance<Key>(given)) return nb::cast<Key>(given);
+  if (nb::isinstance<nb::str>(given)) return Key::parse(nb::cast<std::string>(given));
+  std::uint64_t bits = 0;
+  const nb::object number = nb::steal(PyNumber_Index(given.ptr()));
+  if (number.is_valid() && nb::try_cast(number, bits)) return Key::from_bits(bits);
+  PyErr_Clear();
+  throw nb::type_error(("a key is a Key, its text or its bits, not " + nb::cast<std::string>(nb::repr(given))).c_str());
+}
+
+Agent agent_of(nb::handle given) {
+  if (nb::isinstance<Agent>(given)) return nb::cast<Agent>(given);
+  if (nb::isinstance<nb::str>(given)) return Agent::parse(nb::cast<std::string>(given));
+  throw nb::type_error(("an agent is an Agent or its text, not " + nb::cast<std::string>(nb::repr(given))).c_str());
+}
+
 void bind_graph(nb::module_& m) {
   const nb::object base = nb::exception<Error>(m, "Error", PyExc_RuntimeError);
   error<BadNumber>(m, "BadNumber", base);
@@ -68,7 +93,7 @@ void bind_graph(nb::module_& m) {
       .def(
           "__init__", [](Values* to, const Values& from) { new (to) Values(from); }, "other"_a)
       .def(
-          "erase", [](Values& v, Key key) { v.erase(key); }, "key"_a)
+          "erase", [](Values& v, Key key) { unused(v).erase(key); }, "key"_a)
       .def("keys", &Values::keys, "sorted")
       .def(
           "__iter__", [](const Values& v) { return nb::iter(nb::cast(v.keys())); }, "over the keys, sorted")
@@ -98,20 +123,25 @@ void bind_graph(nb::module_& m) {
   graph.def(nb::init<>())
       .def(
           "__init__", [](Graph* to, const Graph& from) { new (to) Graph(from); }, "other"_a)
-      .def("remove", &Graph::remove, "id"_a)
-      .def("__contains__", &Graph::contains)
-      .def("fix", &Graph::fix, "key"_a, "a fixed variable is a constant of the problem")
-      .def("unfix", &Graph::unfix, "key"_a)
-      .def("is_fixed", &Graph::is_fixed, "key"_a)
-      .def("set_weight", &Graph::set_weight, "id"_a, "weight"_a)
-      .def("set_loss", nb::overload_cast<FactorId, const Loss&>(&Graph::set_loss), "id"_a, "loss"_a)
       .def(
-          "cost", [](const Graph& g, const Values& values) { return without_gil(g, [&] { return g.cost(values); }); }, "values"_a,
+          "remove", [](Graph& g, FactorId id) { unused(g).remove(id); }, "id"_a)
+      .def("__contains__", &Graph::contains)
+      .def(
+          "fix", [](Graph& g, Key key) { unused(g).fix(key); }, "key"_a, "a fixed variable is a constant of the problem")
+      .def(
+          "unfix", [](Graph& g, Key key) { unused(g).unfix(key); }, "key"_a)
+      .def("is_fixed", &Graph::is_fixed, "key"_a)
+      .def(
+          "set_weight", [](Graph& g, FactorId id, double weight) { unused(g).set_weight(id, weight); }, "id"_a, "weight"_a)
+      .def(
+          "set_loss", [](Graph& g, FactorId id, const Loss& loss) { unused(g).set_loss(id, loss); }, "id"_a, "loss"_a)
+      .def(
+          "cost", [](const Graph& g, const Values& values) { return without_gil(g, values, [&] { return g.cost(values); }); }, "values"_a,
           "Σ w ½ρ at these values")
       .def(
           "residual",
-          [](const Graph& g, FactorId id, const Values& values) { return without_gil(g, [&] { return g.residual(id, values); }); }, "id"_a,
-          "values"_a, "whitened")
+          [](const Graph& g, FactorId id, const Values& values) { return without_gil(g, values, [&] { return g.residual(id, values); }); },
+          "id"_a, "values"_a, "whitened")
       .def("factors_on", &Graph::factors_on, "key"_a)
       .def("__len__", &Graph::size)
       .def("__getstate__", [](const Graph& g) { return to_bytes(g, Values()); })
@@ -131,8 +161,8 @@ void bind_graph(nb::module_& m) {
       .def("__repr__", [](const Finding& f) { return f.text; });
   m.def("merged", &merged, "findings"_a, "findings that say the same of many keys as one");
   m.def(
-      "check", [](const Graph& graph, const Values& values) { return without_gil(graph, [&] { return check(graph, values); }); }, "graph"_a,
-      "values"_a, "what is wrong with a problem, by name");
+      "check", [](const Graph& graph, const Values& values) { return without_gil(graph, values, [&] { return check(graph, values); }); },
+      "graph"_a, "values"_a, "what is wrong with a problem, by name");
 }
 
 }  // namespace holdfast::python

@@ -3,6 +3,25 @@
 #include "bind.hpp"
 
 namespace holdfast::python {
+namespace {
+
+Incremental& unused(Incremental& smoother) {
+  require_unused(&smoother, "Incremental");
+  return smoother;
+}
+const Incremental& readable(const Incremental& smoother) {
+  require_readable(&smoother, "Incremental");
+  return smoother;
+}
+/// Lets other threads run; they are refused this smoother.
+template <class Work>
+auto alone(Incremental& smoother, const Work& work) {
+  const Writing writing(&smoother, "Incremental");
+  const nb::gil_scoped_release release;
+  return work();
+}
+
+}  // namespace
 
 void bind_incremental(nb::module_& m) {
   const nb::object base = m.attr("Error");
@@ -24,19 +43,29 @@ void bind_incremental(nb::module_& m) {
             new (self) Incremental(IncrementalOptions{relinearize, propagate, most_steps, reorder});
           },
           "relinearize"_a = 1e-3, "propagate"_a = 1e-5, "most_steps"_a = 5, "reorder"_a = 20.0)
-      .def("insert_from", &Incremental::insert_from, "values"_a, "key"_a)
-      .def("add_from", &Incremental::add_from, "graph"_a, "id"_a)
-      .def("remove", &Incremental::remove, "id"_a)
-      .def("fix", &Incremental::fix, "key"_a)
-      .def("erase", &Incremental::erase, "key"_a)
-      .def("marginalize", &Incremental::marginalize, "keys"_a)
-      .def("update", &Incremental::update, nb::call_guard<nb::gil_scoped_release>(), nb::rv_policy::copy)
-      .def("finish", &Incremental::finish, nb::call_guard<nb::gil_scoped_release>(), "to full accuracy: the batch answer")
-      .def("values", &Incremental::values)
-      .def("cost", &Incremental::cost, nb::call_guard<nb::gil_scoped_release>())
-      .def("covariance", &Incremental::covariance, "keys"_a, "of these variables together")
-      .def_prop_ro("graph", &Incremental::graph, nb::rv_policy::reference_internal)
-      .def("__len__", &Incremental::size);
+      .def(
+          "insert_from", [](Incremental& i, const Values& values, Key key) { unused(i).insert_from(values, key); }, "values"_a, "key"_a)
+      .def(
+          "add_from", [](Incremental& i, const Graph& graph, FactorId id) { return unused(i).add_from(graph, id); }, "graph"_a, "id"_a)
+      .def(
+          "remove", [](Incremental& i, FactorId id) { unused(i).remove(id); }, "id"_a)
+      .def(
+          "fix", [](Incremental& i, Key key) { unused(i).fix(key); }, "key"_a)
+      .def(
+          "erase", [](Incremental& i, Key key) { unused(i).erase(key); }, "key"_a)
+      .def(
+          "marginalize", [](Incremental& i, const std::vector<Key>& keys) { unused(i).marginalize(keys); }, "keys"_a)
+      .def("update", [](Incremental& i) { return alone(i, [&] { return IncrementalStep(i.update()); }); })
+      .def(
+          "finish", [](Incremental& i) { return alone(i, [&] { return i.finish(); }); }, "to full accuracy: the batch answer")
+      .def("values", [](const Incremental& i) { return Values(readable(i).values()); })
+      .def("cost", [](Incremental& i) { return alone(i, [&] { return i.cost(); }); })
+      .def(
+          "covariance", [](Incremental& i, const std::vector<Key>& keys) { return unused(i).covariance(keys); }, "keys"_a,
+          "of these variables together")
+      .def_prop_ro(
+          "graph", [](const Incremental& i) { return Graph(readable(i).graph()); }, "a copy")
+      .def("__len__", [](const Incremental& i) { return readable(i).size(); });
 }
 
 }  // namespace holdfast::python

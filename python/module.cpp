@@ -9,6 +9,12 @@ NB_MODULE(_core, m) {
   holdfast::python::bind_radio_factors(m);
   holdfast::python::bind_bearing_factors(m);
   holdfast::python::bind_motion_factors(m);
-  holdfast::python::bind_solvers(m);
+  holdfast::python::bind_backends(m);
+  holdfast::python::bind_answers(m);
+  holdfast::python::bind_robust(m);
+  holdfast::python::bind_starts(m);
+  holdfast::python::bind_window(m);
+  holdfast::python::bind_schedule(m);
+  holdfast::python::bind_trust(m);
   holdfast::python::bind_incremental(m);
 }

@@ -13,6 +13,9 @@ from . import _core
 from ._core import *  # noqa: F401,F403
 from ._core import Graph, Incremental, Key, Loss, Values
 from ._plot import plot, positions  # noqa: F401
+from ._tables import to_arrays, to_dataframe  # noqa: F401
+from ._window import Schedule  # noqa: F401
+from ._window import install as _install_window
 
 
 class Template:
@@ -124,3 +127,12 @@ Graph.add_function = _add_function
 Incremental.insert = _insert
 Incremental.add = _add_to_incremental
 Incremental.at = _at
+
+
+def _prior_of(state):
+    """A prior on this type of variable: which one it is."""
+    prior = globals()["Prior"][state]
+    return prior.from_sigmas(state(), [1.0] * state.dim)
+
+
+Schedule._or_squared = staticmethod(_install_window(_key, _loss, _prior_of))

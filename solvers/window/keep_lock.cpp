@@ -36,6 +36,16 @@ void truncate_robust_losses(Graph& graph, double threshold) {
     if (!(graph.batches()[b]->family() == Loss{})) graph.set_loss(static_cast<int>(b), TruncatedSquares{threshold});
 }
 
+/// The variables of a graph that are not of this agent.
+std::vector<Key> others(const Graph& graph, Agent agent) {
+  std::vector<Key> keys;
+  for (const auto& batch : graph.batches())
+    for (int i = 0; i < batch->size(); ++i)
+      for (int k = 0; k < batch->arity(); ++k)
+        if (const Key key = batch->keys(i)[k]; key.agent() != agent) keys.push_back(key);
+  return keys;
+}
+
 }  // namespace
 
 void Window::enter_lock(Agent agent, const LockOptions& options, std::type_index variable, detail::Lock::NothingKnown nothing_known) {
@@ -112,14 +122,10 @@ std::vector<Window::State> Window::remembered(const Member& member) const {
 /// The measurements in memory, the motion between their states, and nothing else that is known; landmarks as they are believed, fixed.
 Graph Window::from_nothing(const Member& member, const std::vector<State>& states, Values& values, bool known) const {
   Graph graph = member.lock->memory;
-  for (const auto& batch : graph.batches())
-    for (int i = 0; i < batch->size(); ++i)
-      for (int k = 0; k < batch->arity(); ++k) {
-        const Key key = batch->keys(i)[k];
-        if (key.agent() == member.agent) continue;
-        detail::copy_variable(key, values_, values);
-        graph.fix(key);
-      }
+  for (const Key key : others(graph, member.agent)) {
+    detail::copy_variable(key, values_, values);
+    graph.fix(key);
+  }
   member.lock->nothing_known(graph, values, states.front().key);
   for (std::size_t i = 1; i < states.size(); ++i)
     member.motion->add(graph, values, states[i - 1].key, states[i].key, states[i].time - states[i - 1].time, known);
@@ -137,6 +143,7 @@ bool Window::acquire(Member& member) {
     member.motion->insert_unknown(found, key);
     detail::copy_variable(key, i < lock.left.size() ? lock.values : values_, believed);
   }
+  for (const Key key : others(lock.memory, member.agent)) detail::copy_variable(key, values_, found);
   for (const auto& one : lock.measured)
     if (lock.memory.contains(one.copy) && found.contains(one.state)) detail::move_to_measurement(lock.memory, found, one.copy, one.state);
   Graph graph = from_nothing(member, states, found, false);

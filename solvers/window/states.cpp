@@ -102,6 +102,23 @@ void Window::fail_unknown(Key key, const std::string& factor) const {
                " is not in the window: it was never added, has left, or was an empty state merged into one motion; ask at(agent, time)");
 }
 
+FactorId Window::add_from(const Graph& other, FactorId id) {
+  const Lap lap(*this);
+  const Graph::Place& place = other.place(id);
+  const FactorBatch& batch = *other.batches()[place.batch];
+  const Key* const keys = batch.keys(place.index);
+  for (int k = 0; k < batch.arity(); ++k) {
+    if (!values_.contains(keys[k])) fail_unknown(keys[k], batch.name());
+    const PoolBase& pool = values_.pool(values_.slot(keys[k]).pool);
+    if (pool.type() != batch.types()[k])
+      fail<BadType>("factor ", batch.describe(place.index), ": key ", keys[k], " is a ", pool.type_name(),
+                    " in the window, but the factor needs a ", batch.type_names()[k]);
+  }
+  const FactorId mine = graph_.add_from(other, id);
+  remember(keys, batch.dims().size(), mine, [&](Graph& memory) { return memory.add_from(other, id); });
+  return mine;
+}
+
 // Checks first, so that a refused state leaves no trace.
 void Window::require_new_state(Key key, double time) const {
   require_time(time);

@@ -166,6 +166,8 @@ class Window {
     remember(keys.data(), keys.size(), id, [&](Graph& memory) { return memory.add(factor, keys, loss_and_weight...); });
     return id;
   }
+  /// A copy of a factor of another graph, whatever it is, with its loss and weight (Graph::add_from).
+  FactorId add_from(const Graph& other, FactorId id);
   void remove(FactorId id);
 
   // ---- one step: solve, answer, let the oldest leave.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <holdfast/factors/range.hpp>
 #include <holdfast/solvers/window/window.hpp>
 
 #include "tests/problems.hpp"
@@ -58,6 +59,43 @@ TEST(Lock, IsLostNoticedSaidAndFoundAgain) {
   EXPECT_TRUE(window.last_step().lost.empty());
   EXPECT_LT((window.newest<Motion2>(A).position() - Vector<2>(5 * kStep * (kSteps - 1) + 100, 0)).norm(), 2);
   EXPECT_LE(window.states(A).size(), 20u);
+}
+
+// The same by ranges to beacons alone: these are held where they are while the agent is looked for.
+TEST(Lock, IsFoundAgainByRangesToBeacons) {
+  std::mt19937_64 rng(1);
+  Window window = locked();
+  const std::vector<Vector<2>> beacons = {{0, 0}, {200, 0}, {0, 200}};
+  for (int b = 0; b < 3; ++b) window.add_beacon(Key('L', b), Point2(beacons[b]));
+  bool lost = false, found = false;
+  for (int k = 0; k < kSteps; ++k) {
+    const Vector<2> place = seen(k, rng) + Vector<2>(20, 30);
+    for (int b = 0; b < 3; ++b)
+      window.add(Range<Motion2, Point2>{(place - beacons[b]).norm(), 1}, {window.at(A, kStep * k), Key('L', b)}, TruncatedSquares{3.5});
+    const WindowStep& step = window.step(kStep * k);
+    lost = lost || !step.lost.empty();
+    found = found || !step.reacquired.empty();
+  }
+  EXPECT_TRUE(lost && found);
+  EXPECT_LT((window.newest<Motion2>(A).position() - Vector<2>(5 * kStep * (kSteps - 1) + 120, 30)).norm(), 2);
+}
+
+TEST(Window, TakesAFactorOfAnotherGraph) {
+  Graph other;
+  const FactorId near = other.add(position({3, 4}), {A(0)}, Huber{2}, 3.0);
+  const FactorId nowhere = other.add(position({3, 4}), {A(7)});
+  const FactorId wrong = other.add(Prior<Point2>::from_sigmas(Point2(0, 0), {1, 1}), {A(0)});
+  Window window = locked();
+  window.add_state(A(0), 0, Motion2(1, 0, 1, 0));
+  const FactorId id = window.add_from(other, near);
+  EXPECT_EQ(window.graph().residual(id, window.values()), other.residual(near, window.values()));
+  Graph alone;
+  alone.add(position({3, 4}), {A(0)}, Huber{2}, 3.0);
+  EXPECT_EQ(window.graph().cost(window.values()), alone.cost(window.values()));
+  EXPECT_THROW(window.add_from(other, nowhere), BadKey);
+  EXPECT_THROW(window.add_from(other, wrong), BadType);
+  EXPECT_THROW(window.add_from(other, FactorId{}), BadKey);
+  EXPECT_EQ(window.graph().size(), 1u);
 }
 
 // What the same window does without: the arrival cost holds it, and every measurement is an outlier, for ever.
