@@ -43,6 +43,7 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/holdfast)
 install(EXPORT holdfastTargets NAMESPACE holdfast:: DESTINATION ${package_dir})
 configure_package_config_file(cmake/holdfastConfig.cmake.in ${PROJECT_BINARY_DIR}/holdfastConfig.cmake INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/holdfastConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES cmake/FindPETSc.cmake DESTINATION ${package_dir})
 install(FILES ${PROJECT_BINARY_DIR}/holdfastConfig.cmake ${PROJECT_BINARY_DIR}/holdfastConfigVersion.cmake DESTINATION ${package_dir})
 
 # pkg-config: the core and what is linked into it; the parts mrpt, gtsam and g2o are for CMake alone.

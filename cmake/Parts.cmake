@@ -1,13 +1,18 @@
 # Parts that need a foreign library: AUTO (on where found), ON (an error where absent) or OFF.
 # What belongs to a part: the folders solvers/PART and adapters/PART, and the tests tests/…/PART/… and tests/adapters/test_PART….
+# FOLDER: they have another name.
 
 set(HOLDFAST_PARTS "")
 
 # holdfast_part(CERES PACKAGES Ceres TARGETS Ceres::ceres APT libceres-dev) sets HOLDFAST_WITH_CERES and, where on,
 # makes the target holdfast::ceres: the library together with the foreign one.
 macro(holdfast_part NAME)
-  cmake_parse_arguments(part "" "" "PACKAGES;TARGETS;APT" ${ARGN})
+  cmake_parse_arguments(part "" "FOLDER" "PACKAGES;TARGETS;APT" ${ARGN})
   string(TOLOWER ${NAME} part_lower)
+  set(HOLDFAST_${NAME}_FOLDER ${part_lower})
+  if(part_FOLDER)
+    set(HOLDFAST_${NAME}_FOLDER ${part_FOLDER})
+  endif()
   list(APPEND HOLDFAST_PARTS ${part_lower})
   set(HOLDFAST_${NAME} AUTO CACHE STRING "Build what needs ${part_PACKAGES}: AUTO, ON or OFF")
   set_property(CACHE HOLDFAST_${NAME} PROPERTY STRINGS AUTO ON OFF)
@@ -47,7 +52,7 @@ function(holdfast_without_absent_parts list)
   foreach(part IN LISTS HOLDFAST_PARTS)
     string(TOUPPER ${part} PART)
     if(NOT HOLDFAST_WITH_${PART})
-      list(FILTER ${list} EXCLUDE REGEX "/(solvers|adapters)/(${part}/|test_${part})[^/]*$")
+      list(FILTER ${list} EXCLUDE REGEX "/(solvers|adapters)/(${HOLDFAST_${PART}_FOLDER}/|test_${part})(internal/)?[^/]*$")
     endif()
   endforeach()
   set(${list} ${${list}} PARENT_SCOPE)

@@ -4,10 +4,15 @@
 
 namespace holdfast {
 
-bool Progress::begin(double cost, const Graph& graph, const Resolved& resolved, const Values& values) {
+bool Progress::begin(double cost) {
   summary.cost_first = summary.cost = cost;
   if (std::isfinite(cost)) return true;
   end(Termination::failed, "the cost at the start is not finite");
+  return false;
+}
+
+bool Progress::begin(double cost, const Graph& graph, const Resolved& resolved, const Values& values) {
+  if (begin(cost)) return true;
   summary.culprit = resolved.first_non_finite(graph, values).text;
   return false;
 }
@@ -28,14 +33,12 @@ bool Progress::go_on(double gradient_norm) {
 }
 
 bool Progress::try_on(double gradient_norm) {
-  if (!report(gradient_norm)) {
-    end(Termination::stopped, "the progress callback asked to stop");
-  } else if (watch.seconds() > options_.time_limit) {
-    end(Termination::time_limit, "time_limit reached");
-  } else {
-    return true;
-  }
-  return false;
+  enum { goes_on, is_late, is_stopped };
+  double what = !report(gradient_norm) ? is_stopped : watch.seconds() > options_.time_limit ? is_late : goes_on;
+  if (largest_of_all) what = largest_of_all(what);
+  if (what == is_stopped) end(Termination::stopped, "the progress callback asked to stop");
+  if (what == is_late) end(Termination::time_limit, "time_limit reached");
+  return what == goes_on;
 }
 
 bool Progress::gradient_is_flat(double gradient_norm) {

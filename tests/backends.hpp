@@ -8,6 +8,9 @@
 #ifdef HOLDFAST_WITH_G2O
 #include <holdfast/adapters/g2o/backend.hpp>
 #endif
+#ifdef HOLDFAST_WITH_MPI
+#include <holdfast/solvers/distributed/backends.hpp>
+#endif
 
 namespace holdfast::testing {
 
@@ -21,6 +24,9 @@ inline const std::vector<std::string>& every_backend() {
 #endif
 #ifdef HOLDFAST_WITH_G2O
     register_g2o_backends();
+#endif
+#ifdef HOLDFAST_WITH_MPI
+    register_mpi_backends();
 #endif
     std::vector<std::string> all = backend_names();
     all.push_back(kGnc);

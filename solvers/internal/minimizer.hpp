@@ -17,7 +17,11 @@ class Progress {
   Stopwatch watch;
   double best_elsewhere = std::numeric_limits<double>::infinity();  ///< the cost where an earlier descent of this solve ended
 
+  /// Of a solve in many processes, which all must end alike: the largest of their numbers. Empty: this process is all.
+  std::function<double(double)> largest_of_all;
+
   /// The start; false where it cannot be solved from.
+  bool begin(double cost);
   bool begin(double cost, const Graph& graph, const Resolved& resolved, const Values& values);
   /// After each iteration; false when a limit or the callback ends the solve.
   bool go_on(double gradient_norm);

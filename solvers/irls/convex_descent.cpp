@@ -18,24 +18,27 @@ bool ConvexDescent::serves(const Graph& graph) {
          std::any_of(graph.batches().begin(), graph.batches().end(), [](const auto& batch) { return batch->has_hessian(); });
 }
 
-void ConvexDescent::minimize(const Graph& graph, NewtonSystem& system, Values& values, Progress& progress) {
+void ConvexDescent::minimize(const Graph& graph, QuadraticModel& system, Values& values, Progress& progress) {
   Summary& summary = progress.summary;
-  for (std::vector<double>* v : {&step_, &tangent_, &scaled_}) v->resize(system.size());
+  step_.resize(system.size());
   scales_.assign(system.size(), 0);
   candidate_.assign(values);
   const double first = system.linearize(graph, values, Curvature::exact);
   progress.watch.lap(summary.seconds_linearize);
-  if (!progress.begin(first, graph, system.resolved(), values)) return;
+  if (!progress.begin(first)) {
+    summary.culprit = system.first_non_finite(graph, values);
+    return;
+  }
   lambda_ = kFirstLambda;
   bool is_at_end = false;
-  double gradient_norm = max_norm(system.gradient());
+  double gradient_norm = system.gradient_norm();
   while (!progress.gradient_is_flat(gradient_norm) && progress.go_on(gradient_norm)) {
     ++summary.iterations;
     const double before = summary.cost;
     const Step taken = step(graph, system, values, progress);
     system.linearize(graph, values, Curvature::exact);
     progress.watch.lap(summary.seconds_linearize);
-    gradient_norm = max_norm(system.gradient());
+    gradient_norm = system.gradient_norm();
     is_at_end = taken != Step::goes_on && is_at_minimum(system, taken, before, progress);
     if (is_at_end || taken == Step::failed) break;
   }
@@ -44,7 +47,7 @@ void ConvexDescent::minimize(const Graph& graph, NewtonSystem& system, Values& v
 }
 
 // The decrease that the model predicts with next to no damping: the Summary's decrement.
-double ConvexDescent::predict_undamped(NewtonSystem& system, Progress& progress) {
+double ConvexDescent::predict_undamped(QuadraticModel& system, Progress& progress) {
   update_scales(system);
   progress.summary.decrement = system.solve_damped(std::min(lambda_, kWeakLambda), scales_, step_);
   progress.watch.lap(progress.summary.seconds_solve);
@@ -52,7 +55,7 @@ double ConvexDescent::predict_undamped(NewtonSystem& system, Progress& progress)
 }
 
 // A step may be short for its damping alone.
-bool ConvexDescent::is_at_minimum(NewtonSystem& system, Step taken, double before, Progress& progress) {
+bool ConvexDescent::is_at_minimum(QuadraticModel& system, Step taken, double before, Progress& progress) {
   const double cost = progress.summary.cost;
   if (predict_undamped(system, progress) > std::max(progress.cost_tolerance(), kRounding) * cost) {
     if (taken == Step::short_of_decrease) return false;
@@ -67,11 +70,11 @@ bool ConvexDescent::is_at_minimum(NewtonSystem& system, Step taken, double befor
   return true;
 }
 
-void ConvexDescent::update_scales(const NewtonSystem& system) {
+void ConvexDescent::update_scales(const QuadraticModel& system) {
   for (std::size_t i = 0; i < scales_.size(); ++i) scales_[i] = std::max(scales_[i], system.diagonal()[i]);
 }
 
-ConvexDescent::Step ConvexDescent::step(const Graph& graph, NewtonSystem& system, Values& values, Progress& progress) {
+ConvexDescent::Step ConvexDescent::step(const Graph& graph, QuadraticModel& system, Values& values, Progress& progress) {
   Summary& summary = progress.summary;
   update_scales(system);
   double predicted = system.solve_damped(lambda_, scales_, step_);
@@ -84,9 +87,8 @@ ConvexDescent::Step ConvexDescent::step(const Graph& graph, NewtonSystem& system
   }
   const double before = summary.cost;
   if (predicted <= kRounding * before) return Step::nothing_predicted;
-  system.to_tangent(step_, tangent_);
   double cost = before;
-  const double t = search(graph, system, values, before, dot(system.gradient(), step_), cost);
+  const double t = search(graph, system, values, before, system.dot(system.gradient(), step_), cost);
   progress.watch.lap(summary.seconds_linearize);
   if (t == 0) return Step::nothing_lower;
   std::swap(values, candidate_);
@@ -99,12 +101,11 @@ ConvexDescent::Step ConvexDescent::step(const Graph& graph, NewtonSystem& system
   return t == 1 && predicted <= small && before - cost <= small ? Step::short_of_decrease : Step::goes_on;
 }
 
-double ConvexDescent::search(const Graph& graph, NewtonSystem& system, const Values& values, double before, double slope, double& cost) {
+double ConvexDescent::search(const Graph& graph, QuadraticModel& system, const Values& values, double before, double slope, double& cost) {
   double t = 1;
   for (int cuts = 0; cuts <= kMostCuts; ++cuts) {
-    for (std::size_t i = 0; i < tangent_.size(); ++i) scaled_[i] = t * tangent_[i];
-    system.resolved().retract(values, scaled_.data(), candidate_);
-    cost = system.resolved().cost(graph, candidate_, &system.pool());
+    system.retract(values, t, step_, candidate_);
+    cost = system.cost(graph, candidate_);
     if (cost <= before + kArmijo * t * slope) return t;
     t *= 0.5;  // interpolation asks for shorter steps, and for twice as many of them: the cost is smooth only piece by piece
   }

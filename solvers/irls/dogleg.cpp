@@ -20,35 +20,35 @@ void TrustRegion::accept(double gain_ratio, double length) {
     radius_ = std::max(radius_, 3 * length);
 }
 
-Dogleg::Dogleg(const NewtonSystem& system) {
+Dogleg::Dogleg(const QuadraticModel& system) {
   for (std::vector<double>* v : {&newton_, &steepest_, &H_steepest_}) v->resize(system.size());
 }
 
-bool Dogleg::begin(NewtonSystem& system) {
+bool Dogleg::begin(QuadraticModel& system) {
   has_steepest_ = false;
   for (double lambda = 0; lambda <= kMostDamping; lambda = lambda == 0 ? kFirstDamping : 10 * lambda) {
     const double predicted = system.solve_damped(lambda, newton_);
     if (!std::isfinite(predicted)) continue;
-    const double length2 = dot(system.diagonal(), newton_, newton_);
+    const double length2 = system.dot(system.diagonal(), newton_, newton_);
     if (!(length2 <= kSingular * 2 * predicted)) continue;
     newton_length_ = std::sqrt(length2);
-    newton_slope_ = dot(system.gradient(), newton_);
+    newton_slope_ = system.dot(system.gradient(), newton_);
     return true;
   }
   return false;
 }
 
-void Dogleg::find_steepest(const NewtonSystem& system) {
+void Dogleg::find_steepest(const QuadraticModel& system) {
   const std::vector<double>&g = system.gradient(), &D = system.diagonal();
   for (std::size_t i = 0; i < g.size(); ++i) steepest_[i] = -g[i] / std::max(D[i], kLeastDiagonal);
   system.multiply(steepest_, H_steepest_);
-  steepest_slope_ = dot(g, steepest_);
-  steepest_curvature_ = dot(steepest_, H_steepest_);
-  steepest_length_ = std::sqrt(dot(D, steepest_, steepest_));
+  steepest_slope_ = system.dot(g, steepest_);
+  steepest_curvature_ = system.dot(steepest_, H_steepest_);
+  steepest_length_ = std::sqrt(system.dot(D, steepest_, steepest_));
   has_steepest_ = true;
 }
 
-Dogleg::Step Dogleg::take(const NewtonSystem& system, double radius, std::vector<double>& step) {
+Dogleg::Step Dogleg::take(const QuadraticModel& system, double radius, std::vector<double>& step) {
   if (newton_length_ <= radius) {
     step = newton_;
     return {-0.5 * newton_slope_, newton_length_, true};
@@ -57,7 +57,7 @@ Dogleg::Step Dogleg::take(const NewtonSystem& system, double radius, std::vector
   const double to_minimum = -steepest_slope_ / steepest_curvature_, cauchy = to_minimum * steepest_length_;
   if (cauchy >= radius) return combine(radius / steepest_length_, 0, radius, step);
   // ‖c + b (newton − c)‖ = radius, c the minimum along the steepest direction.
-  const double cross = to_minimum * dot(system.diagonal(), steepest_, newton_);
+  const double cross = to_minimum * system.dot(system.diagonal(), steepest_, newton_);
   const double A = newton_length_ * newton_length_ - 2 * cross + cauchy * cauchy, B = cross - cauchy * cauchy,
                C = cauchy * cauchy - radius * radius;
   const double b = -C / (B + std::sqrt(B * B - A * C));

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <holdfast/solvers/internal/minimizer.hpp>
 #include <holdfast/solvers/irls/internal/newton_system.hpp>
 #include <holdfast/solvers/linear/internal/damping.hpp>
 
@@ -92,6 +93,19 @@ std::vector<std::vector<int>> tangent_offsets(const Resolved& resolved) {
   }
   return offsets;
 }
+
+void NewtonSystem::retract(const Values& from, double t, const std::vector<double>& step, Values& to) {
+  tangent_.resize(step.size());
+  to_tangent(step, tangent_);
+  for (double& x : tangent_) x *= t;
+  resolved_.retract(from, tangent_.data(), to);
+}
+
+double NewtonSystem::dot(const std::vector<double>& metric, const std::vector<double>& a, const std::vector<double>& b) const {
+  return detail::dot(metric, a, b);
+}
+
+double NewtonSystem::gradient_norm() const { return max_norm(gradient()); }
 
 double dot(const std::vector<double>& metric, const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;

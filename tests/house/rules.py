@@ -108,6 +108,7 @@ TESTED_ELSEWHERE = {
     "graph/variables/pose3.hpp": "tests/graph/variables/test_variables.cpp",
     "graph/variables/so3.hpp": "tests/graph/variables/test_variables.cpp",
     "graph/variables/turning2.hpp": "tests/graph/variables/test_variables.cpp",
+    "solvers/distributed/communicator.hpp": "tests/solvers/distributed/test_distributed_graph.cpp",
     "solvers/options.hpp": "tests/solvers/test_backend.cpp",
     "solvers/summary.hpp": "tests/solvers/test_backend.cpp",
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <holdfast/solvers/internal/minimizer.hpp>
-#include <holdfast/solvers/irls/internal/newton_system.hpp>
+#include <holdfast/solvers/irls/internal/quadratic_model.hpp>
 
 namespace holdfast::detail {
 
@@ -20,20 +20,20 @@ class ConvexDescent {
   /// It ends as converged only where the model with next to no damping (λ ≤ 1e-6), too, predicts less than cost_tolerance of the cost: a
   /// damped step is short far from the minimum, too.
   /// No first-order steps come first: on networks of 10³ to 10⁵ nodes they took longer than the Newton steps that they spared.
-  void minimize(const Graph& graph, NewtonSystem& system, Values& values, Progress& progress);
+  void minimize(const Graph& graph, QuadraticModel& system, Values& values, Progress& progress);
 
  private:
   enum class Step { goes_on, short_of_decrease, nothing_predicted, nothing_lower, failed };
 
-  double predict_undamped(NewtonSystem& system, Progress& progress);
-  bool is_at_minimum(NewtonSystem& system, Step taken, double before, Progress& progress);
-  void update_scales(const NewtonSystem& system);
-  Step step(const Graph& graph, NewtonSystem& system, Values& values, Progress& progress);
+  double predict_undamped(QuadraticModel& system, Progress& progress);
+  bool is_at_minimum(QuadraticModel& system, Step taken, double before, Progress& progress);
+  void update_scales(const QuadraticModel& system);
+  Step step(const Graph& graph, QuadraticModel& system, Values& values, Progress& progress);
   /// The step length, or 0; `candidate_` is where it leads, `cost` the cost there.
-  double search(const Graph& graph, NewtonSystem& system, const Values& values, double before, double slope, double& cost);
+  double search(const Graph& graph, QuadraticModel& system, const Values& values, double before, double slope, double& cost);
 
   Values candidate_;
-  std::vector<double> step_, tangent_, scaled_, scales_;
+  std::vector<double> step_, scales_;
   double lambda_ = 0;
 };
 

@@ -1,7 +1,7 @@
 // Powell's dogleg: the step of a quadratic model that stays within a radius, from one factorisation. Internal.
 #pragma once
 
-#include <holdfast/solvers/irls/internal/newton_system.hpp>
+#include <holdfast/solvers/irls/internal/quadratic_model.hpp>
 #include <limits>
 
 namespace holdfast::detail {
@@ -21,10 +21,10 @@ class TrustRegion {
 /// Of one linearisation: from 0 to the minimum of the model along −D⁻¹g, D = diag H, and from there to Newton's step.
 class Dogleg {
  public:
-  explicit Dogleg(const NewtonSystem& system);
+  explicit Dogleg(const QuadraticModel& system);
 
   /// Newton's step −(H + λ diag H)⁻¹ g with the least λ that makes the matrix definite; false where none does.
-  bool begin(NewtonSystem& system);
+  bool begin(QuadraticModel& system);
 
   struct Step {
     double predicted;  ///< decrease of the cost that the model predicts
@@ -32,10 +32,10 @@ class Dogleg {
     bool is_full;      ///< not short because of the radius: the minimum of the model is as near as that
   };
   /// The point of the path where it leaves the radius, or its end, into `step`. As often as one likes after begin().
-  Step take(const NewtonSystem& system, double radius, std::vector<double>& step);
+  Step take(const QuadraticModel& system, double radius, std::vector<double>& step);
 
  private:
-  void find_steepest(const NewtonSystem& system);
+  void find_steepest(const QuadraticModel& system);
   /// The model along a·steepest + b·newton.
   Step combine(double a, double b, double length, std::vector<double>& step) const;
 

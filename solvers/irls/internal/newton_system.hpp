@@ -2,11 +2,12 @@
 #pragma once
 
 #include <holdfast/solvers/irls/internal/line_search.hpp>
+#include <holdfast/solvers/irls/internal/quadratic_model.hpp>
 #include <holdfast/solvers/linear/internal/block_cholesky.hpp>
 
 namespace holdfast::detail {
 
-class NewtonSystem {
+class NewtonSystem final : public QuadraticModel {
  public:
   NewtonSystem(const Graph& graph, const Values& values, int threads);
 
@@ -15,22 +16,27 @@ class NewtonSystem {
   }
   const Resolved& resolved() const { return resolved_; }
   ThreadPool& pool() { return pool_; }
-  std::size_t size() const { return diagonal_.size(); }
+  std::size_t size() const override { return diagonal_.size(); }
 
-  /// H and g at these values; returns the cost.
-  double linearize(const Graph& graph, const Values& values, Curvature curvature);
+  double linearize(const Graph& graph, const Values& values, Curvature curvature) override;
   /// The same where the residuals and Jacobians of each batch are known.
   double linearize_at(const Graph& graph, const std::vector<std::vector<double>>& r, const std::vector<std::vector<double>>& J,
                       Curvature curvature);
-  const std::vector<double>& gradient() const { return normal_.gradient(); }  ///< g, in elimination order, as all vectors here
-  const std::vector<double>& diagonal() const { return diagonal_; }           ///< of H
-  void multiply(const std::vector<double>& x, std::vector<double>& y) const { normal_.multiply(x, y); }  ///< y = H x
+  const std::vector<double>& gradient() const override { return normal_.gradient(); }  ///< g, in elimination order, as all vectors here
+  const std::vector<double>& diagonal() const override { return diagonal_; }
+  void multiply(const std::vector<double>& x, std::vector<double>& y) const override { normal_.multiply(x, y); }
 
-  /// Factors with this λ and solves for δ. Returns the decrease of the cost that the quadratic model predicts, ½ δᵀ(λ diag(H) δ − g), or
-  /// NaN where the matrix is not positive definite.
-  double solve_damped(double lambda, std::vector<double>& step);
-  /// The same with λ times these scales in place of diag H.
-  double solve_damped(double lambda, const std::vector<double>& scales, std::vector<double>& step);
+  /// By one factorisation.
+  double solve_damped(double lambda, std::vector<double>& step) override;
+  double solve_damped(double lambda, const std::vector<double>& scales, std::vector<double>& step) override;
+  double cost(const Graph& graph, const Values& values) override { return resolved_.cost(graph, values, &pool_); }
+  void retract(const Values& from, double t, const std::vector<double>& step, Values& to) override;
+  double dot(const std::vector<double>& a, const std::vector<double>& b) const override { return detail::dot(a, b); }
+  double dot(const std::vector<double>& metric, const std::vector<double>& a, const std::vector<double>& b) const override;
+  std::string first_non_finite(const Graph& graph, const Values& values) const override {
+    return resolved_.first_non_finite(graph, values).text;
+  }
+  double gradient_norm() const override;
   /// Factors H + λ D, D the largest diagonal entry of each scalar's variable: it bounds M⁻¹ where a direction of a variable has no
   /// curvature. False where no λ up to 1e8 times the given one makes it definite.
   bool factor_by_blocks(double lambda);
@@ -58,7 +64,7 @@ class NewtonSystem {
   NormalEquations normal_;
   BlockCholesky cholesky_;
   ThreadPool pool_;
-  std::vector<double> diagonal_, damping_, rhs_;
+  std::vector<double> diagonal_, damping_, rhs_, tangent_;
   bool is_factored_ = false;
 };
 

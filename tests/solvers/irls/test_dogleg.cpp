@@ -5,6 +5,7 @@
 #include <holdfast/factors/between.hpp>
 #include <holdfast/factors/prior.hpp>
 #include <holdfast/solvers/irls/internal/dogleg.hpp>
+#include <holdfast/solvers/irls/internal/newton_system.hpp>
 
 namespace holdfast::testing {
 namespace {
