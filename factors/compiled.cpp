@@ -1,5 +1,6 @@
 // The batches of the usual factors (extern template at the end of their headers): compiled once here, for all programs.
 #include <holdfast/factors/between.hpp>
+#include <holdfast/factors/detail/ball_gradients.hpp>
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/position_step.hpp>
 #include <holdfast/factors/prior.hpp>
@@ -10,6 +11,11 @@
 #include <holdfast/factors/white_acceleration.hpp>
 
 namespace holdfast {
+namespace {
+
+[[maybe_unused]] const bool kBallGradients = detail::enter_ball_gradients();
+
+}  // namespace
 
 template class Batch<Between<Pose2>>;
 template class Batch<Between<Pose3>>;

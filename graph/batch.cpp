@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <holdfast/graph/batch.hpp>
+#include <holdfast/graph/detail/gradient_kernel.hpp>
 #include <holdfast/graph/internal/block_kernels.hpp>
 #include <holdfast/graph/internal/scratch.hpp>
 
@@ -173,6 +174,17 @@ void FactorBatch::curvatures(const Values& values, const Values& moved, double h
 
 void FactorBatch::gradients(const Values& values, const int* index, int first, int last, double* out) const {
   const int M = residual_dim_, N = total_dim_;
+  const bool one_block = M == 1 ? !family().one_sided : !family().per_component;
+  if (const GradientKernel kernel = one_block ? gradient_kernel(factor_type_) : nullptr) {
+    kernel(*this, values, index, first, last, out);
+    const bool squared = family().kind == Loss::Kind::Squared;
+    for (int i = first; i < last; ++i, out += N + 1) {
+      const Rho rho = squared ? Rho{out[N], 1, 0} : loss(i).rho(out[N], M);
+      for (int c = 0; c < N; ++c) out[c] *= weights_[i] * rho.first;
+      out[N] = 0.5 * weights_[i] * rho.value;
+    }
+    return;
+  }
   in_chunks<struct Gradients>(first, last, M + M * N, [&](int i, int end, double* r) {
     double* const J = r + static_cast<std::ptrdiff_t>(end - i) * M;
     evaluate(values, index, i, end, r, J);

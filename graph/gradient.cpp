@@ -30,21 +30,36 @@ void GradientEvaluator::curvature(const Graph& graph, const Resolved& resolved, 
 
 template <class Fill>
 double GradientEvaluator::sum(const Graph& graph, const Resolved& resolved, std::vector<double>& out, ThreadPool* pool, const Fill& fill) {
-  parallel_for(pool, static_cast<int>(chunks_.size()), [&](int c) { fill(chunks_[c], &contributions_[begin_[c]]); });
   out.assign(resolved.tangent_dim(), 0.0);
   double cost = 0;
-  const double* part = contributions_.data();
-  for (const Chunk& chunk : chunks_) {  // factor by factor: the order of the sum does not depend on the threads
-    const FactorBatch& factors = *graph.batches()[chunk.batch];
-    const int* variable = &resolved.batches()[chunk.batch].variable[static_cast<std::size_t>(chunk.first) * factors.arity()];
-    for (int f = chunk.first; f < chunk.last; ++f) {
-      for (int k = 0; k < factors.arity(); ++k) {
-        const int offset = resolved.variables()[*variable++].offset;
-        for (int c = 0; c < factors.dims()[k]; ++c, ++part)
-          if (offset >= 0) out[offset + c] += *part;
-      }
-      cost += *part++;
+  if (pool == nullptr || pool->threads() == 1) {  // the same sums in the same order, chunk by chunk in little memory
+    for (const Chunk& chunk : chunks_) {
+      fill(chunk, contributions_.data());
+      cost = scatter(graph, resolved, chunk, contributions_.data(), cost, out.data());
     }
+    return cost;
+  }
+  pool->run(static_cast<int>(chunks_.size()), [&](int c) { fill(chunks_[c], &contributions_[begin_[c]]); });
+  for (std::size_t c = 0; c < chunks_.size(); ++c)
+    cost = scatter(graph, resolved, chunks_[c], &contributions_[begin_[c]], cost, out.data());
+  return cost;
+}
+
+// Factor by factor: the order of the sum does not depend on the threads.
+double GradientEvaluator::scatter(const Graph& graph, const Resolved& resolved, const Chunk& chunk, const double* part, double cost,
+                                  double* out) const {
+  const FactorBatch& factors = *graph.batches()[chunk.batch];
+  const int arity = factors.arity();
+  const int* const dims = factors.dims().data();
+  const int* variable = &resolved.batches()[chunk.batch].variable[static_cast<std::size_t>(chunk.first) * arity];
+  for (int f = chunk.first; f < chunk.last; ++f) {
+    for (int k = 0; k < arity; ++k) {
+      const int dim = dims[k], offset = resolved.variables()[*variable++].offset;
+      if (offset >= 0)
+        for (int i = 0; i < dim; ++i) out[offset + i] += part[i];
+      part += dim;
+    }
+    cost += *part++;
   }
   return cost;
 }

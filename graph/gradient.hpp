@@ -22,8 +22,11 @@ class GradientEvaluator {
   template <class Fill>
   double sum(const Graph& graph, const Resolved& resolved, std::vector<double>& out, ThreadPool* pool, const Fill& fill);
 
+  /// Adds a chunk's contributions to `out`; returns the sum of its costs.
+  double scatter(const Graph& graph, const Resolved& resolved, const Chunk& chunk, const double* part, double cost, double* out) const;
+
   std::vector<Chunk> chunks_;
-  std::vector<std::size_t> begin_;  ///< of each chunk's part of contributions_
+  std::vector<std::size_t> begin_;  ///< of each chunk's part of contributions_; one thread fills the first part of it alone
   std::vector<double> contributions_;
 };
 

@@ -35,17 +35,17 @@ struct ChainPreconditioner::Ordered {
   std::vector<int> order;  // variables
 };
 
-ChainPreconditioner::Ordered ChainPreconditioner::order_of(const Graph& graph, const Resolved& resolved) {
+ChainPreconditioner::Ordered ChainPreconditioner::order_of(const Graph& graph, const Resolved& resolved, Kept kept) {
   Ordered ordered;
   const BlockGraph all = block_graph(graph, resolved, ordered.variable);
-  ordered.chains = chains_of(all, resolved, ordered.variable);
-  ordered.symbolic = analyze(ordered.chains, minimum_degree_order(ordered.chains));
+  ordered.chains = kept == Kept::all ? all : chains_of(all, resolved, ordered.variable);
+  ordered.symbolic = kept == Kept::all ? analyze(ordered.chains) : analyze(ordered.chains, minimum_degree_order(ordered.chains));
   for (int node : ordered.symbolic.order) ordered.order.push_back(ordered.variable[node]);
   return ordered;
 }
 
-ChainPreconditioner::ChainPreconditioner(const Graph& graph, const Resolved& resolved)
-    : ChainPreconditioner(graph, resolved, order_of(graph, resolved)) {}
+ChainPreconditioner::ChainPreconditioner(const Graph& graph, const Resolved& resolved, Kept kept)
+    : ChainPreconditioner(graph, resolved, order_of(graph, resolved, kept)) {}
 
 ChainPreconditioner::ChainPreconditioner(const Graph& graph, const Resolved& resolved, Ordered ordered)
     : normal_(graph, resolved, ordered.order) {

@@ -2,6 +2,7 @@
 #include <holdfast/graph/gradient.hpp>
 #include <holdfast/solvers/internal/minimizer.hpp>
 #include <holdfast/solvers/nesterov/internal/chain_preconditioner.hpp>
+#include <holdfast/solvers/nesterov/internal/flat_descent.hpp>
 #include <holdfast/solvers/nesterov/internal/iterates.hpp>
 #include <holdfast/solvers/nesterov/nesterov.hpp>
 
@@ -47,12 +48,18 @@ struct Nesterov::Workspace {
   }
 };
 
-Nesterov::Nesterov(Options chosen) : Backend(std::move(chosen)) {}
+Nesterov::Nesterov(Options chosen, NesterovOptions of_nesterov) : Backend(std::move(chosen)), nesterov_options(of_nesterov) {}
 Nesterov::~Nesterov() = default;
 
 Summary Nesterov::minimize(const Graph& graph, Values& values) {
   Progress progress(options, kMaxIterations);
   Summary& summary = progress.summary;
+  if (detail::FlatDescent::serves(graph, values)) {
+    const bool whole = nesterov_options.metric == NesterovOptions::Metric::whole;
+    detail::FlatDescent(graph, values, whole ? ChainPreconditioner::Kept::all : ChainPreconditioner::Kept::chains, options.threads)
+        .minimize(values, progress);
+    return summary;
+  }
   workspace_ = std::make_unique<Workspace>(graph, values, options.threads);
   Workspace& w = *workspace_;
   if (w.resolved.tangent_dim() == 0) fail<BadProblem>("every variable that a factor touches is fixed; there is nothing to solve for");

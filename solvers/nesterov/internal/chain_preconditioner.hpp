@@ -12,7 +12,10 @@ namespace holdfast {
 
 class ChainPreconditioner {
  public:
-  ChainPreconditioner(const Graph& graph, const Resolved& resolved);
+  /// all: P is the whole of H, which has to be factored by one process, and bounds it (H ≼ P).
+  enum class Kept { chains, all };
+
+  ChainPreconditioner(const Graph& graph, const Resolved& resolved, Kept kept = Kept::chains);
 
   /// Takes H at these values; a variable that was stiffer before (larger trace) keeps that much.
   void update(const Graph& graph, const Resolved& resolved, const Values& values, ThreadPool* pool);
@@ -24,7 +27,7 @@ class ChainPreconditioner {
 
  private:
   struct Ordered;
-  static Ordered order_of(const Graph& graph, const Resolved& resolved);
+  static Ordered order_of(const Graph& graph, const Resolved& resolved, Kept kept);
   ChainPreconditioner(const Graph& graph, const Resolved& resolved, Ordered ordered);
   void factor();
 

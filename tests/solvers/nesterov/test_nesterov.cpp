@@ -44,6 +44,41 @@ TEST(Nesterov, ReachesTheOptimumOfConvexProblems) {
   }
 }
 
+TEST(Nesterov, BothMetricsReachTheSameOptimum) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const auto problem = range_balls<Point2>(seed, 40, Huber{2});
+    double costs[2];
+    for (const auto metric : {NesterovOptions::Metric::whole, NesterovOptions::Metric::chains}) {
+      Options options = traced();
+      options.max_iterations = 100000;
+      Values values = problem.start;
+      const Summary summary = Nesterov(options, {metric}).solve(problem.graph, values);
+      EXPECT_EQ(summary.termination, Termination::converged) << summary.str();
+      expect_monotone(summary);
+      EXPECT_NEAR(summary.cost, problem.graph.cost(values), 1e-12 * summary.cost);
+      costs[metric == NesterovOptions::Metric::whole] = summary.cost;
+    }
+    EXPECT_NEAR(costs[0], costs[1], 1e-6 * costs[1]) << seed;
+  }
+}
+
+// Of a quadratic cost the whole of H is its curvature: the first step is the answer.
+TEST(Nesterov, AQuadraticCostIsOneStepInTheWholeMetric) {
+  constexpr Agent P('P');
+  SmallProblem problem;
+  for (int i = 0; i < 10; ++i) {
+    problem.start.insert(P(i), Point2(0, 0));
+    problem.graph.add(Prior<Point2>::from_sigmas(Point2(i, i * i), Vector<2>(1, 2)), {P(i)});
+    if (i > 0) problem.graph.add(PositionStep<Point2, Point2>{0.3}, {P(i - 1), P(i)});
+    if (i > 4) problem.graph.add(PositionStep<Point2, Point2>{0.3}, {P(i - 4), P(i)});
+  }
+  Values values = problem.start, reference = problem.start;
+  Options options;
+  options.max_iterations = 1;
+  const double cost = Nesterov(options).solve(problem.graph, values).cost;
+  EXPECT_NEAR(cost, solve("irls", problem.graph, reference).cost, 1e-9 * cost);
+}
+
 TEST(Nesterov, ReachesTheSameMinimumOnManifolds) {
   for (const std::uint64_t seed : {5, 6}) {
     const auto check = [](const SmallProblem& problem) {
@@ -88,18 +123,19 @@ TEST(Nesterov, SaysSoWhenItHitsItsLimit) {
 }
 
 TEST(Nesterov, GivesTheSameBitsWithAnyNumberOfThreads) {
-  const auto problem = slam<Pose2>(10, 300, 0.1, Huber{2});
-  Options options = to_the_bottom();
-  options.max_iterations = 60;
-  Values alone = problem.start;
-  const Summary reference = Nesterov(options).solve(problem.graph, alone);
-  for (const int threads : {2, 3}) {
-    options.threads = threads;
-    Values values = problem.start;
-    const Summary summary = Nesterov(options).solve(problem.graph, values);
-    EXPECT_TRUE(same_bits(alone, values)) << threads;
-    EXPECT_EQ(summary.cost, reference.cost) << threads;
-    EXPECT_EQ(summary.iterations, reference.iterations) << threads;
+  for (const auto& problem : {slam<Pose2>(10, 300, 0.1, Huber{2}), range_balls<Point2>(10, 300, Huber{2})}) {
+    Options options = to_the_bottom();
+    options.max_iterations = 60;
+    Values alone = problem.start;
+    const Summary reference = Nesterov(options).solve(problem.graph, alone);
+    for (const int threads : {2, 3}) {
+      options.threads = threads;
+      Values values = problem.start;
+      const Summary summary = Nesterov(options).solve(problem.graph, values);
+      EXPECT_TRUE(same_bits(alone, values)) << threads;
+      EXPECT_EQ(summary.cost, reference.cost) << threads;
+      EXPECT_EQ(summary.iterations, reference.iterations) << threads;
+    }
   }
 }
 
