@@ -9,12 +9,16 @@
 namespace holdfast {
 namespace {
 
-constexpr double kLoose = 1e-6;  // cost_tolerance of the solves on the way, at least
+constexpr double kLoose = 1e-6;     // cost_tolerance of trials, at least
+constexpr double kOnTheWay = 1e-4;  // of the graduation's solves, whose weights are not the last ones
+constexpr double kByChance = 1e-3;  // of those from the chordal start
+constexpr int kFewSteps = 20;       // of an inner solve that may be in vain
 constexpr int kSecondLooks = 3;
-constexpr int kMostInVain = 16;      // one after the other
-constexpr int kMostTrials = 64;      // of second chances
-constexpr int kMostSolves = 12;      // in each, until the weights no longer change
-constexpr double kLower = 1 - 1e-6;  // a cost that is worth it
+constexpr std::size_t kFewTrials = 4;  // that are followed to their end
+constexpr int kMostInVain = 16;        // one after the other
+constexpr int kMostTrials = 64;        // of second chances
+constexpr int kMostSolves = 12;        // in each, until the weights no longer change
+constexpr double kLower = 1 - 1e-6;    // a cost that is worth it
 
 }  // namespace
 
@@ -64,7 +68,7 @@ class Gnc::Run {
       terms_.reweigh(x_);
       const bool arrived = terms_.arrived();
       if (afresh) x_.assign(start_);
-      if (!solve(kLoose)) return false;
+      if (!solve(kOnTheWay)) return false;
       if (arrived) break;
       terms_.advance(gnc_.gnc_options.mu_factor);
     }
@@ -74,8 +78,8 @@ class Gnc::Run {
   }
 
   // The losses themselves, by their weights, until these no longer change.
-  bool settle() {
-    for (int solves = 0;; ++solves) {
+  bool settle(bool is_solved = false) {
+    for (int solves = is_solved ? 1 : 0;; ++solves) {
       const double change = terms_.reweigh(x_), before = cost_;
       if (change == 0 && solves > 0) return ends("the weights of GNC no longer change");
       if (!solve(gnc_.options.cost_tolerance)) return false;
@@ -93,7 +97,7 @@ class Gnc::Run {
       const double cost = cost_;
       const char* const rule = summary().rule;
       for (const std::size_t term : admitted) terms_.admit(term);
-      if (solve(gnc_.options.cost_tolerance) && settle() && cost_ < cost * (1 - 1e-9)) continue;
+      if (solve(gnc_.options.cost_tolerance) && settle(true) && cost_ < cost * (1 - 1e-9)) continue;
       x_.assign(before);
       cost_ = cost;
       terms_.reweigh(x_);
@@ -110,26 +114,32 @@ class Gnc::Run {
     for (bool is_better = true; is_better;) {
       is_better = false;
       int in_vain = 0;
-      for (const std::size_t loop : terms_.doubtful_loops(x_)) {
+      const std::vector<std::size_t> loops = terms_.affordable(terms_.doubtful_loops(x_), x_);
+      const bool patient = loops.size() <= kFewTrials;
+      for (const std::size_t loop : loops) {
         if (is_better || ++in_vain > kMostInVain || ++trials > kMostTrials || is_over_) break;
-        is_better = keeps_if_lower([&] {
-          terms_.admit(loop);
-          return try_solve(kLoose) && try_settle();
-        });
+        is_better = keeps_if_lower([&] { return (is_lower_with(loop) || patient) && try_settle(); });
       }
     }
+  }
+
+  /// A few steps show it: where a loop was right, the cost is the lower for it at once.
+  bool is_lower_with(std::size_t loop) {
+    const double cost = cost_;
+    terms_.admit(loop);
+    return try_solve(kLoose, kFewSteps) && cost_ < cost;
   }
 
   void from_chordal() {
     keeps_if_lower([&] {
       terms_.hold_again();
       terms_.admit_all();
-      if (!chordal_start(terms_.problem(), x_) || !try_solve(kLoose)) return false;
+      if (!chordal_start(terms_.problem(), x_) || !try_solve(kByChance, kFewSteps)) return false;
       terms_.begin(x_);
       for (int solves = 0; solves < gnc_.gnc_options.max_outer_iterations; ++solves) {
         terms_.reweigh(x_);
         const bool arrived = terms_.arrived();
-        if (!try_solve(kLoose)) return false;
+        if (!try_solve(kByChance, kFewSteps)) return false;
         if (arrived) break;
         terms_.advance(gnc_.gnc_options.mu_factor);
       }
@@ -177,9 +187,10 @@ class Gnc::Run {
   }
 
   /// As solve(), and where it fails nothing ends.
-  bool try_solve(double tolerance) {
+  bool try_solve(double tolerance, int most_iterations = 0) {
     if (is_over()) return false;
-    const Summary inner = gnc_.solve_inner(terms_.problem(), x_, progress.watch, std::max(tolerance, gnc_.options.cost_tolerance));
+    const Summary inner =
+        gnc_.solve_inner(terms_.problem(), x_, progress.watch, std::max(tolerance, gnc_.options.cost_tolerance), most_iterations);
     add(inner);
     cost_ = terms_.resolved().cost(graph_, x_);
     return inner.usable();
@@ -250,10 +261,12 @@ double Gnc::weight(FactorId id) const {
   fail<BadKey>("factor #", id.number, " has no weight: GNC weighs terms of the graph it solved last whose loss is not convex");
 }
 
-Summary Gnc::solve_inner(const Graph& problem, Values& x, const Stopwatch& watch, double tolerance) {
+Summary Gnc::solve_inner(const Graph& problem, Values& x, const Stopwatch& watch, double tolerance, int most_iterations) {
   constexpr double kLeastTime = 1e-6;  // [s]: a limit must be positive
   inner_->options = options;
   inner_->options.cost_tolerance = tolerance;
+  if (most_iterations > 0 && (options.max_iterations == 0 || options.max_iterations > most_iterations))
+    inner_->options.max_iterations = most_iterations;
   inner_->options.trace = inner_->options.second_order = inner_->options.findings = false;
   inner_->options.progress = nullptr;
   inner_->options.time_limit = std::max(kLeastTime, options.time_limit - watch.seconds());

@@ -28,8 +28,10 @@
 //      Graph::cost changes by no more than cost_tolerance of it. Then a second look: rejected terms with ‖r‖ < 2c that all others, with the
 //      uncertainty they leave, do not contradict at c, are let in where Graph::cost is lower for it.
 //   5. Second chances, where at least 4 % of the loop closures that were not held back in 2 are rejected (or of all, where at most 32 are):
-//      graduation begins once more from the chordal start of the problem without the loops held back; then such loops, the nearest first,
-//      are let in at full weight one by one, until 16 have been in vain, at most 64 in all. Whatever ends at a lower Graph::cost is kept.
+//      graduation begins once more from the chordal start of the problem without the loops held back; then such loops are let in at full
+//      weight one by one, until 16 have been in vain, at most 64 in all. To let a loop in costs ½ rᵀ(I + JPJᵀ)⁻¹r to first order, P the
+//      covariance that the believed terms leave: only loops that cost less than all terms of a relaxed loss cost now are tried, the
+//      cheapest first, and where they are more than four a trial that is not lower after 20 steps is given up. Whatever ends at a lower Graph::cost is kept.
 //      `second_chances` turns it off.
 #pragma once
 
@@ -39,7 +41,7 @@
 namespace holdfast {
 
 struct GncOptions {
-  double mu_factor = 2;                 ///< > 1
+  double mu_factor = 3;                 ///< > 1
   bool pairs = true;                    ///< of loop closures, those that agree with another one come first
   bool second_chances = true;           ///< other starts, and rejected loops let in on trial
   int max_outer_iterations = 100;       ///< >= 1: solves of the inner back-end, second chances apart
@@ -76,7 +78,7 @@ class Gnc final : public Backend {
 
  private:
   class Run;
-  Summary solve_inner(const Graph& problem, Values& x, const Stopwatch& watch, double tolerance);
+  Summary solve_inner(const Graph& problem, Values& x, const Stopwatch& watch, double tolerance, int most_iterations = 0);
 
   std::unique_ptr<Backend> inner_;
   std::vector<TermWeight> weights_;

@@ -5,6 +5,7 @@
 #include <holdfast/solvers/internal/agreeing_loops.hpp>
 #include <holdfast/solvers/internal/graduated_terms.hpp>
 #include <holdfast/solvers/marginals.hpp>
+#include <limits>
 
 namespace holdfast::detail {
 namespace {
@@ -178,20 +179,20 @@ void GraduatedTerms::set_weight(std::size_t t, double weight) {
 }
 
 // Random loops that are rejected would make the factorisation dense. A problem of another structure costs its symbolic phase anew, so a
-// few may stay.
+// few may stay, and those that are not far off, which may well come back.
 const Graph& GraduatedTerms::problem() {
+  const auto may_leave = [&](std::size_t t) { return weights_[t].weight == 0 && !is_near(terms_[t]); };
   std::size_t zeros = 0;
   bool one_is_missing = false;
   for (std::size_t t = 0; t < terms_.size(); ++t) {
-    const bool zero = weights_[t].weight == 0;
-    zeros += zero;
-    one_is_missing = one_is_missing || (is_left_out_[t] && !zero);
+    zeros += may_leave(t);
+    one_is_missing = one_is_missing || (is_left_out_[t] && weights_[t].weight > 0);
   }
   const auto few = static_cast<std::size_t>(kFewTerms * static_cast<double>(terms_.size()));
   if (!one_is_missing && zeros <= left_out_ + few) return left_out_ > 0 ? reduced_ : squared_;
   reduced_ = squared_;
   for (std::size_t t = 0; t < terms_.size(); ++t) {
-    is_left_out_[t] = weights_[t].weight == 0;
+    is_left_out_[t] = may_leave(t);
     if (is_left_out_[t]) reduced_.remove(weights_[t].id);
   }
   left_out_ = zeros;
@@ -201,7 +202,7 @@ const Graph& GraduatedTerms::problem() {
 std::vector<std::size_t> GraduatedTerms::compatible_rejects(const Values& values) {
   std::vector<std::size_t> near, compatible;
   for (std::size_t t = 0; t < terms_.size(); ++t)
-    if (is_truncated(terms_[t]) && weights_[t].weight == 0 && terms_[t].s < std::pow(kNotFar * terms_[t].loss.scale, 2)) near.push_back(t);
+    if (weights_[t].weight == 0 && is_near(terms_[t])) near.push_back(t);
   if (near.empty()) return near;
   const Marginals marginals(problem(), values);
   for (const std::size_t t : near)
@@ -210,8 +211,13 @@ std::vector<std::size_t> GraduatedTerms::compatible_rejects(const Values& values
 }
 
 bool GraduatedTerms::is_compatible(const Term& term, const Values& values, const Marginals& marginals) const {
+  return misfit(term, values, marginals) <= term.loss.scale * term.loss.scale;
+}
+
+double GraduatedTerms::misfit(const Term& term, const Values& values, const Marginals& marginals) const {
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
   const FactorBatch& batch = *squared_.batches()[term.batch];
-  if (batch.arity() > 2) return false;  // no joint covariance of more than two
+  if (batch.arity() > 2) return kUnknown;  // no joint covariance of more than two
   const int m = batch.residual_dim(), n = batch.total_dim();
   Eigen::VectorXd r(m);
   Eigen::MatrixXd J(m, n);
@@ -220,13 +226,32 @@ bool GraduatedTerms::is_compatible(const Term& term, const Values& values, const
   try {
     const std::vector<double> P = batch.arity() == 1 ? marginals.covariance(keys[0]) : marginals.joint(keys[0], keys[1]);
     const Eigen::MatrixXd S = Eigen::MatrixXd::Identity(m, m) + J * Eigen::Map<const Eigen::MatrixXd>(P.data(), n, n) * J.transpose();
-    return r.dot(S.llt().solve(r)) <= term.loss.scale * term.loss.scale;
+    return r.dot(S.llt().solve(r));
   } catch (const UnobservableError&) {  // only this term would tie the variable: nothing contradicts it, and nothing speaks for it
-    return false;
+    return kUnknown;
   } catch (const BadKey&) {
-    return false;
+    return kUnknown;
   }
 }
+
+std::vector<std::size_t> GraduatedTerms::affordable(const std::vector<std::size_t>& loops, const Values& values) {
+  if (loops.empty()) return loops;
+  double gain = 0;
+  for (const Term& term : terms_)
+    if (!term.known) gain += term.weight * term.loss.rho(term.s, rows_of(term)).value;
+  const Marginals marginals(problem(), values);
+  std::vector<std::pair<double, std::size_t>> priced;
+  for (const std::size_t t : loops) {
+    const double price = terms_[t].weight * misfit(terms_[t], values, marginals);
+    if (price < gain) priced.emplace_back(price, t);
+  }
+  std::stable_sort(priced.begin(), priced.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::size_t> cheapest_first;
+  for (const auto& [price, t] : priced) cheapest_first.push_back(t);
+  return cheapest_first;
+}
+
+bool GraduatedTerms::is_near(const Term& term) { return is_truncated(term) && term.s < std::pow(kNotFar * term.loss.scale, 2); }
 
 // The μ at which this term weighs 4/9: 2u for Geman–McClure (Yang et al., remark 5); of other losses the first power of 2 that does.
 double GraduatedTerms::first_width(const Term& term) const {

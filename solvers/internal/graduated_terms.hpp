@@ -47,6 +47,9 @@ class GraduatedTerms {
   /// Rejected truncated terms (ω = 0) that are not far off and that the others, with what they leave open, do not contradict:
   /// ‖r‖ < kNotFar c, and rᵀ (I + J P Jᵀ)⁻¹ r <= c², P the covariance of their variables in the problem. At the values of reweigh().
   std::vector<std::size_t> compatible_rejects(const Values& values);
+  /// Of these terms, those that cost less to let in than there is to gain, the cheapest first: w misfit() < Σ w ρ(s) of all weighed terms,
+  /// which is what would be gained if every one of them came to fit. At the values of reweigh().
+  std::vector<std::size_t> affordable(const std::vector<std::size_t>& loops, const Values& values);
   void admit(std::size_t term) { set_weight(term, 1); }
   /// All but those that are held back, whose ω is 0.
   void admit_all();
@@ -65,11 +68,15 @@ class GraduatedTerms {
     double s = 0;              ///< ‖r‖², 0 on the squared side
   };
   static bool is_truncated(const Term& term) { return term.loss.kind == Loss::Kind::TruncatedSquares; }
+  static bool is_near(const Term& term);  ///< a truncated one, ‖r‖ < kNotFar c
   int rows_of(const Term& term) const { return squared_.batches()[term.batch]->residual_dim(); }
   double first_width(const Term& term) const;
   void measure(const Values& values);
   void set_weight(std::size_t term, double weight);
   bool is_compatible(const Term& term, const Values& values, const Marginals& marginals) const;
+  /// rᵀ (I + J P Jᵀ)⁻¹ r, P the covariance of its variables in the problem: twice what it costs to satisfy it, to first order. Infinite
+  /// where there is no such covariance.
+  double misfit(const Term& term, const Values& values, const Marginals& marginals) const;
 
   const Resolved resolved_;
   Graph squared_;

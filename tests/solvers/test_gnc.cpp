@@ -140,6 +140,23 @@ TEST(Gnc, LeavesRejectedTermsOutOfTheProblem) {
   }
 }
 
+// To let in a false closure of metres against odometry of centimetres costs more than all that is rejected: no trial is made.
+TEST(Gnc, TriesNoLoopThatCostsMoreThanThereIsToGain) {
+  const Ring ring(3, TruncatedSquares{4});
+  std::size_t without = 0, with_chances = 0;
+  for (const bool chances : {false, true}) {
+    auto recorder = std::make_unique<Recorder>();
+    const Recorder& inner = *recorder;
+    GncOptions options;
+    options.second_chances = chances;
+    Values x = ring.start;
+    gnc(std::move(recorder), options)->solve(ring.graph, x);
+    (chances ? with_chances : without) = inner.sizes.size();
+  }
+  EXPECT_GT(with_chances, without);                            // from the chordal start
+  EXPECT_LT(with_chances, 2 * without + ring.bad.size() / 2);  // and not one for each false closure
+}
+
 // False loops at full weight fold the map, and it stays folded: the first problem must not have them so.
 TEST(Gnc, TrustsAStartThatDeadReckoningGives) {
   for (const std::uint64_t seed : {1, 2, 3}) {
