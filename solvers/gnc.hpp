@@ -31,8 +31,8 @@
 //      graduation begins once more from the chordal start of the problem without the loops held back; then such loops are let in at full
 //      weight one by one, until 16 have been in vain, at most 64 in all. To let a loop in costs ½ rᵀ(I + JPJᵀ)⁻¹r to first order, P the
 //      covariance that the believed terms leave: only loops that cost less than all terms of a relaxed loss cost now are tried, the
-//      cheapest first, and where they are more than four a trial that is not lower after 20 steps is given up. Whatever ends at a lower Graph::cost is kept.
-//      `second_chances` turns it off.
+//      cheapest first, and where they are more than four a trial that is not lower after 20 steps is given up. Whatever ends at a lower
+//      Graph::cost is kept. `second_chances` turns it off.
 #pragma once
 
 #include <holdfast/solvers/backend.hpp>
