@@ -1,0 +1,46 @@
+"""The Python code of the pages for newcomers, and the drawing of the losses."""
+import importlib.util
+import pathlib
+import re
+
+import numpy as np
+import pytest
+
+import holdfast as hf
+
+DOCS = pathlib.Path(__file__).parents[2] / "docs"
+
+
+def run(page, replace=("", "")):
+    """All names after the page's blocks."""
+    blocks = re.findall(r"```python\n(.*?)```", (DOCS / page).read_text(encoding="utf-8"), re.DOTALL)
+    assert blocks
+    names = {}
+    for block in blocks:
+        exec(compile(block.replace(*replace) if replace[0] else block, page, "exec"), names)
+    return names
+
+
+def test_the_tutorial_and_the_numbers_it_says():
+    names = run("tutorial.md")
+    np.testing.assert_allclose(names["values"]["B0"].p, [2.001, 5.999], atol=1e-3)
+    np.testing.assert_allclose(np.sqrt(np.diag(names["covariance"])[:2]), [0.27, 0.11], atol=0.005)
+    assert names["summary"].cost == pytest.approx(73.75, abs=0.005)
+    np.testing.assert_allclose(run("tutorial.md", ("cauchy", "huber"))["values"]["B0"].p, [2.15, 5.97], atol=0.005)
+    mirrored = run("tutorial.md", ("1.5, 5,", "1, 4,"))
+    np.testing.assert_allclose(mirrored["values"]["B0"].p, [1.12, 6.22], atol=0.005)
+    assert mirrored["summary"].cost == pytest.approx(73.96, abs=0.005)
+
+
+def test_the_page_of_losses():
+    run("losses.md")
+
+
+def test_the_drawing_of_the_losses_is_that_of_this_library():
+    spec = importlib.util.spec_from_file_location("losses", DOCS / "site" / "losses.py")
+    losses = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(losses)
+    np.testing.assert_allclose(losses.curves("huber:2", 4), [12, 0.5, 2], rtol=1e-6)
+    np.testing.assert_allclose(losses.curves("geman_mcclure:2", -2), [2, 0.25, -0.5], rtol=1e-6)
+    numbers = lambda text: np.array(re.findall(r"\d+\.\d+", text), dtype=float)
+    np.testing.assert_allclose(numbers((DOCS / "losses.svg").read_text(encoding="utf-8")), numbers(losses.svg()), atol=0.2)
