@@ -1,14 +1,30 @@
 """python -m holdfast FILE…: solves the problems of PyFG, g2o, TORO and JRL files, and says how.
 
-The C++ program `holdfast` (scripts/bench builds it) does more: several back-ends side by side, GNC, certificates, tracking, benchmarks.
+With anything but a file it is the C++ program `holdfast` (docs/program.md), where one is built beside the module.
 """
 import argparse
+import os
 import sys
 
 import holdfast as hf
 
 
+def program():
+    """The C++ program of the build folder that the module is in. None: there is none."""
+    folder = os.path.dirname(os.path.abspath(hf._core.__file__))
+    path = os.path.join(os.path.dirname(os.path.dirname(folder)), "bin", "holdfast")
+    return path if os.access(path, os.X_OK) else None
+
+
 def main():
+    path = program()
+    if path is not None and not (len(sys.argv) > 1 and os.path.isfile(sys.argv[1])):
+        sys.stdout.flush()
+        os.execv(path, [path, *sys.argv[1:]])
+    return solve_files()
+
+
+def solve_files():
     parser = argparse.ArgumentParser(prog="python -m holdfast", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", metavar="FILE")
     parser.add_argument("--backend", default="irls", help="one of: " + ", ".join(hf.backend_names()) + ", each also as gnc-…")
