@@ -61,9 +61,9 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments);
 int solve(const SolveArguments& arguments, Terminal& terminal);
 
 struct TrackArguments {
-  std::string file;  ///< "-": standard input
-  double lag = 20;   ///< [s]
-  std::string backend = "irls";
+  std::string file;     ///< "-": standard input
+  double lag = 20;      ///< [s]; 0: the whole history
+  std::string backend;  ///< "": irls, or incremental for the whole history
   std::string loss = "truncated_squares:3";
   bool trust = true;
   std::string leaving = "marginalize";

@@ -18,8 +18,8 @@ CLI::App* add_track(CLI::App& app, TrackArguments& arguments) {
   CLI::App* command =
       app.add_subcommand("track", "follow the agents of a PyFG stream in a sliding window, line by line; SIGTERM ends it cleanly");
   command->add_option("FILE", arguments.file, "a PyFG file, taken in the order of time; or - for standard input")->required();
-  command->add_option("--lag", arguments.lag, "seconds the window looks back")->capture_default_str();
-  command->add_option("--backend", arguments.backend)->capture_default_str();
+  command->add_option("--lag", arguments.lag, "seconds the window looks back; 0: the whole history")->capture_default_str();
+  command->add_option("--backend", arguments.backend, "default: irls; of the whole history: incremental");
   command->add_option("--loss", arguments.loss, "of every measurement but the odometry: huber:2, cauchy:1, …")->capture_default_str();
   command->add_flag("!--no-trust", arguments.trust,
                     "believe every agent and landmark, also one most of whose latest measurements do not fit");
@@ -45,7 +45,8 @@ CLI::App* add_track(CLI::App& app, TrackArguments& arguments) {
   command->add_flag("--resume", arguments.resume, "go on from the file of --save, if it is there, with the line after the last one taken");
   command->add_flag("--strict", arguments.strict, "a malformed line ends the program; else it is reported, counted and skipped");
   add_json(*command, arguments.json, "the counts of the end as one JSON object");
-  add_examples(*command, {"holdfast track goats_14.pyfg --lag 10", "radio | holdfast track - --save window.bin --resume > states.jsonl"});
+  add_examples(*command, {"holdfast track goats_14.pyfg --lag 10", "holdfast track goats_14.pyfg --lag 0 --states leaving",
+                          "radio | holdfast track - --save window.bin --resume > states.jsonl"});
   return command;
 }
 
@@ -77,8 +78,9 @@ class OnTermination {
 TrackOptions options_of(const TrackArguments& arguments, std::ostream& err) {
   TrackOptions options;
   options.say = [&err](const std::string& text) { err << "holdfast: " << text << '\n'; };
-  options.window.lag = arguments.lag;
-  options.window.backend = arguments.backend;
+  const bool is_whole = arguments.lag == 0;
+  options.window.lag = is_whole ? std::numeric_limits<double>::infinity() : arguments.lag;
+  options.window.backend = !arguments.backend.empty() ? arguments.backend : is_whole ? "incremental" : "irls";
   options.window.leaving = arguments.leaving == "drop" ? WindowOptions::Leaving::drop : WindowOptions::Leaving::marginalize;
   options.window.solver.cost_tolerance = arguments.tolerance;
   options.window.solver.threads = arguments.threads;

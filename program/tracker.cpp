@@ -190,7 +190,7 @@ void Tracker::judge() {
     }
     changed = judge(one, does_fit) || changed;
   }
-  while (!heard_.empty() && now_ - heard_.front().time > options_.window.lag) heard_.pop_front();
+  while (!heard_.empty() && now_ - heard_.front().time > memory()) heard_.pop_front();
   if (changed) window_.step(now_);
 }
 
@@ -376,7 +376,7 @@ void Tracker::retry() {
     line_number_ = one.number;
     line_text_ = one.text;
     if (take(one.edge)) continue;
-    if (now_ - one.time < options_.window.lag) {
+    if (now_ - one.time < memory()) {
       waiting_.push_back(std::move(one));
       continue;
     }

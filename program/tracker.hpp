@@ -6,7 +6,7 @@
 // it; of a point it is the place round which its start is drawn (odometry_start), and the prior says how far: without one, a beacon ranged
 // to once is not observable. Where that is far beside the range, or the point has no vertex, its ranges wait until they say which of two
 // places it is at (program/sought.hpp). Other vertices are taken for the truth that errors are measured by. The window is solved whenever
-// the time moves on. A measurement of a state that is not there yet waits for it as long as the lag.
+// the time moves on. A measurement of a state that is not there yet waits for it as long as the lag, at most 100 s.
 // With `trust`, a party (an agent or a landmark) most of whose latest measurements do not fit is not believed
 // (solvers/window/trust.hpp): what it measures is withheld, and its doubtful measurements leave the window, until they fit again. Those
 // come back under Huber's loss, as does what the loss lets go of although it fits what is known without it: the state has drifted.
@@ -128,6 +128,8 @@ class Tracker {
   bool place(Key key, const std::vector<Sight>& sights);
   template <class P>
   void add_landmark(Key key, const P& start, double sigma);
+  /// How long what was measured may wait, and is judged again [s].
+  double memory() const { return std::min(options_.window.lag, 100.0); }
   double time_of(Key key, double otherwise) const;
   double time_of(const Edge& edge) const;
   std::uint64_t party(Key key) const;

@@ -1,4 +1,5 @@
 #include <holdfast/solvers/gnc.hpp>
+#include <holdfast/solvers/incremental/incremental_backend.hpp>
 #include <holdfast/solvers/irls/irls.hpp>
 #include <holdfast/solvers/nesterov/nesterov.hpp>
 #include <holdfast/solvers/table.hpp>
@@ -19,6 +20,7 @@ struct NameTable {
 
   NameTable() {
     factories["irls"] = [](const Options& options) { return std::make_unique<Irls>(options); };
+    factories["incremental"] = [](const Options& options) { return std::make_unique<IncrementalBackend>(options); };
     factories["nesterov"] = [](const Options& options) { return std::make_unique<Nesterov>(options); };
 #ifdef HOLDFAST_WITH_CERES
     for (const CeresVariant& variant : kCeresVariants)

@@ -234,6 +234,19 @@ Values Incremental::values() const {
   return all;
 }
 
+void Incremental::read_into(Values& values) const {
+  for (const auto& from : start_.pools())
+    for (int i = 0; i < from->size(); ++i) {
+      const Key key = from->keys()[static_cast<std::size_t>(i)];
+      const Values::Slot& slot = values.slot(key);
+      double* const x = values.pool(slot.pool).data(slot.index);
+      if (const double* delta = delta_of(key))
+        from->retract_ambient(from->data(i), delta, x);
+      else
+        std::copy_n(from->data(i), from->ambient(), x);
+    }
+}
+
 double Incremental::cost() const { return graph_.cost(values()); }
 
 Eigen::MatrixXd Incremental::covariance(const std::vector<Key>& keys) {

@@ -106,6 +106,8 @@ class Incremental {
     return delta == nullptr ? linearized : linearized.retract(Eigen::Map<const typename V::Tangent>(delta));
   }
   Values values() const;
+  /// The estimate of every variable into values that have them all, and may have more. Throws BadKey.
+  void read_into(Values& values) const;
   double cost() const;
   /// Joint covariance of these variables, in their order: of the linearised problem at hand. Throws BadKey (fixed ones, too).
   Eigen::MatrixXd covariance(const std::vector<Key>& keys);

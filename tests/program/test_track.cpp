@@ -72,6 +72,19 @@ TEST_F(CliTrack, PrintsEachAgentAsItMoves) {
   EXPECT_THAT(outcome.err, HasSubstr("RMSE to the vertices"));
 }
 
+TEST_F(CliTrack, TheWholeHistoryIsThatOfALagWithoutEnd) {
+  const std::string file = write("small.pyfg", small_pyfg());
+  const Outcome whole = holdfast_program({"track", file, "--lag", "0"});
+  EXPECT_EQ(whole.code, kDone) << whole.err;
+  const auto states = states_of(whole.out), expected = states_of(holdfast_program({"track", file, "--lag", "1e9"}).out);
+  ASSERT_EQ(states.size(), expected.size());
+  ASSERT_FALSE(states.empty());
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    EXPECT_EQ(states[i]["key"], expected[i]["key"]);
+    for (int k = 0; k < 2; ++k) EXPECT_NEAR(states[i]["p"][k].get<double>(), expected[i]["p"][k].get<double>(), 1e-3) << states[i].dump();
+  }
+}
+
 TEST_F(CliTrack, SaysWhatTheLastWindowLeavesOpen) {
   std::ostringstream text;
   for (const char* agent : {"A", "B"})  // nothing ties one to the other
