@@ -24,6 +24,7 @@ void bind_gnc(nb::module_& m) {
           "{FactorId: ω} of every term that it weighs, after the last solve")
       .def_prop_ro("mu_factor", [](const Gnc& gnc) { return gnc.gnc_options.mu_factor; })
       .def_prop_ro("known_inliers", [](const Gnc& gnc) { return gnc.gnc_options.known_inliers; });
+  const GncOptions usual;
   m.def(
       "gnc",
       [](const Backend& inner, double mu_factor, bool pairs, bool second_chances, int max_outer_iterations,
@@ -31,8 +32,8 @@ void bind_gnc(nb::module_& m) {
         const GncOptions options{mu_factor, pairs, second_chances, max_outer_iterations, known_inliers};
         return gnc(copy_of(inner), options).release();
       },
-      "inner"_a, "mu_factor"_a = 2.0, "pairs"_a = true, "second_chances"_a = true, "max_outer_iterations"_a = 100,
-      "known_inliers"_a = std::vector<FactorId>(), nb::rv_policy::take_ownership,
+      "inner"_a, "mu_factor"_a = usual.mu_factor, "pairs"_a = usual.pairs, "second_chances"_a = usual.second_chances,
+      "max_outer_iterations"_a = usual.max_outer_iterations, "known_inliers"_a = std::vector<FactorId>(), nb::rv_policy::take_ownership,
       "graduated non-convexity round a copy of a back-end; see holdfast/solvers/gnc.hpp");
 }
 
