@@ -52,6 +52,18 @@ std::vector<Vector<S>> one_step(const Network<S>& network, int k, Missing missin
 
 template <int S>
 Tracks<S> all_steps(const Network<S>& network, Missing missing, const std::string& backend) {
+  MapProblem problem = map_problem(network, missing);
+  solve_to_the_end(problem.graph, problem.start, backend);
+  Tracks<S> tracks;
+  for (int k = 0; k < static_cast<int>(network.steps.size()); ++k)
+    tracks.push_back(nodes_of<S>(problem.start, static_cast<int>(network.steps[0].nodes.size()), k));
+  return tracks;
+}
+
+}  // namespace
+
+template <int S>
+MapProblem map_problem(const Network<S>& network, Missing missing) {
   Graph graph;
   Values values;
   const int steps = static_cast<int>(network.steps.size()), nodes = static_cast<int>(network.steps[0].nodes.size());
@@ -62,13 +74,8 @@ Tracks<S> all_steps(const Network<S>& network, Missing missing, const std::strin
     }
     add_packets<Point<S>>(network, k, missing, graph, values);
   }
-  solve_to_the_end(graph.relaxed(), values, backend);
-  Tracks<S> tracks;
-  for (int k = 0; k < steps; ++k) tracks.push_back(nodes_of<S>(values, nodes, k));
-  return tracks;
+  return {graph.relaxed(), std::move(values)};
 }
-
-}  // namespace
 
 template <int S>
 Tracks<S> missing_map(const Network<S>& network, const MissingMap& form, const std::string& backend) {
@@ -94,6 +101,8 @@ double omega_error(const Network<S>& network) {
 
 template Tracks<2> missing_map<2>(const Network<2>&, const MissingMap&, const std::string&);
 template Tracks<3> missing_map<3>(const Network<3>&, const MissingMap&, const std::string&);
+template MapProblem map_problem<2>(const Network<2>&, Missing);
+template MapProblem map_problem<3>(const Network<3>&, Missing);
 template double omega_error<2>(const Network<2>&);
 template double omega_error<3>(const Network<3>&);
 

@@ -19,6 +19,14 @@ struct MissingMap {
 template <int S>
 Tracks<S> missing_map(const Network<S>& network, const MissingMap& form, const std::string& backend);
 
+/// All steps together, x(t − 1) free: the convex problem, and its start with every node at the middle of its step's anchors.
+struct MapProblem {
+  Graph graph;
+  Values start;
+};
+template <int S>
+MapProblem map_problem(const Network<S>& network, Missing missing);
+
 /// Root mean square of d(t − 1) − d(t) over the lost packets [m]: what the paper's Ω is worth.
 template <int S>
 double omega_error(const Network<S>& network);

@@ -1,3 +1,4 @@
+#include <holdfast/benchmarks/papers/lifted_table.hpp>
 #include <holdfast/benchmarks/papers/missing_map.hpp>
 #include <holdfast/benchmarks/papers/network_smoother.hpp>
 #include <holdfast/benchmarks/papers/paper.hpp>
@@ -235,6 +236,7 @@ std::vector<PaperTable> tables() {
       prior_table("missing-distance prior, whole network", scenario + whole + rivals, true),
       prior_table("missing-distance prior, per edge", scenario + edges + rivals, false), loss_table(scenario + whole + rivals + ours)};
   all.front().tracks = tracks;
+  all.push_back(lifted_table());
   if (has_ceres()) all.push_back(back_end_table(scenario + whole + rivals + ours));
   return all;
 }
