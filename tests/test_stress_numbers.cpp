@@ -10,7 +10,7 @@ namespace {
 
 constexpr Agent A('A'), P('P');
 
-bool is_second_order(const std::string& backend) { return backend != "nesterov"; }
+bool is_second_order(const std::string& backend) { return backend != "nesterov" && backend != "nesterov-mpi"; }
 
 /// The squared problem on points as a dense one, in long double: what no sparse code has rounded. Returns the cost of its answer.
 double least_cost(const Graph& graph, const Values& values) {

@@ -3,6 +3,7 @@
 #include <holdfast/solvers/distributed/internal/distributed_solve.hpp>
 #include <holdfast/solvers/distributed/internal/dogleg_descent.hpp>
 #include <holdfast/solvers/distributed/internal/petsc_system.hpp>
+#include <holdfast/solvers/distributed/nesterov_mpi.hpp>
 #include <holdfast/solvers/irls/internal/convex_descent.hpp>
 #include <holdfast/solvers/table.hpp>
 
@@ -46,6 +47,7 @@ Summary Petsc::descend(detail::DistributedProblem& problem) {
 
 void register_mpi_backends() {
   register_backend("petsc", [](const Options& options) { return std::make_unique<Petsc>(options); });
+  register_backend("nesterov-mpi", [](const Options& options) { return std::make_unique<NesterovMpi>(options); });
 }
 
 }  // namespace holdfast
