@@ -74,6 +74,8 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
   const CLI::App* convert_command = add_convert(app, convert_arguments);
   SimulateArguments simulate_arguments;
   const CLI::App* simulate_command = add_simulate(app, simulate_arguments);
+  NetworkArguments network_arguments;
+  const CLI::App* network_command = add_network(app, network_arguments);
   add_bench(app, bench_arguments);
   CompareArguments compare_arguments;
   const CLI::App* compare_command = add_compare(app, compare_arguments);
@@ -100,6 +102,7 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
     if (check_command->parsed()) return check_file(check_arguments, terminal);
     if (convert_command->parsed()) return convert(convert_arguments, terminal);
     if (simulate_command->parsed()) return simulate_file(simulate_arguments, terminal);
+    if (network_command->parsed()) return network_of_processes(network_arguments, terminal);
     if (compare_command->parsed()) return compare_results(compare_arguments, terminal);
     if (plot_command->parsed()) return plot(plot_arguments, terminal);
     if (report_command->parsed()) return report(report_arguments, terminal);

@@ -112,6 +112,22 @@ struct SimulateArguments {
 CLI::App* add_simulate(CLI::App& app, SimulateArguments& arguments);
 int simulate_file(const SimulateArguments& arguments, Terminal& terminal);
 
+struct NetworkArguments {
+  std::int64_t agents = 10000;
+  std::string backend = "petsc";
+  std::string petsc;
+  std::string start = "anchors";
+  std::string state;
+  double tolerance = 1e-6;
+  double linear_tolerance = 1e-8;
+  int max_iterations = 0;
+  int threads = 1;
+  unsigned seed = 1;
+  std::string json;
+};
+CLI::App* add_network(CLI::App& app, NetworkArguments& arguments);
+int network_of_processes(const NetworkArguments& arguments, Terminal& terminal);
+
 struct BenchArguments {
   std::vector<std::string> suites;
   std::string out = "bench-out";

@@ -16,6 +16,7 @@ struct DistributedGraph::Parts {
   std::size_t own_factor_count, own_variable_count;
   std::vector<Key> held;  // ghosts that are not fixed by their owners
   detail::Exchange exchange;
+  std::uint32_t job = 0;
 
   Parts(Communicator among, Graph factors, Values own)
       : communicator(among),
@@ -222,6 +223,9 @@ std::size_t DistributedGraph::boundary_numbers() const {
     for (const Values::Slot& slot : neighbour.own) numbers += parts_->values.pool(slot.pool).ambient();
   return numbers;
 }
+
+std::uint32_t DistributedGraph::job() const { return parts_->job; }
+void DistributedGraph::set_job(std::uint32_t number) { parts_->job = number; }
 
 double DistributedGraph::cost() {
   detail::DistributedProblem problem(*this, false);

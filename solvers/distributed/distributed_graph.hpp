@@ -53,6 +53,10 @@ class DistributedGraph {
   /// Numbers (doubles) that are sent to neighbours when every boundary state is sent once.
   std::size_t boundary_numbers() const;
 
+  /// Which of the jobs that went on from each other's saved states this is (solvers/distributed/state.hpp).
+  std::uint32_t job() const;
+  void set_job(std::uint32_t number);
+
   // ---- collective
   double cost();  ///< Σ w ½ρ of all processes' factors at the values of their owners
   std::int64_t total_factors() const;

@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::ordered_json;
 
-const std::vector<std::string> kCommands{"solve", "track",   "check", "convert", "simulate",
+const std::vector<std::string> kCommands{"solve", "track",   "check", "convert", "simulate",  "network",
                                          "bench", "compare", "plot",  "report",  "completion"};
 
 class Output : public InDirectory {};
