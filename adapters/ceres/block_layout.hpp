@@ -1,11 +1,12 @@
 // How a variable lies in a user's memory: our own (Own), the usual ones, or a struct of the user's own with the same five members.
 //
 //   Own<V>                            the variable itself: Pose3 [x y z qx qy qz qw], Pose2 [x y cos sin], Motion2 [px vx py vy], …
-//   PositionYaw                       Pose2 as [x y θ]; a plain vector space: it needs no manifold
+//   PositionYaw                       Pose2 as [x y | θ]; a plain vector space: it needs no manifold
 //   PositionQuaternion<order>         Pose3 as [x y z | quaternion], order xyzw (Eigen's memory) or wxyz (Ceres', MRPT's)
 //   QuaternionPosition<order>         Pose3 as [quaternion | x y z]
 //   ByDerivative<V>                   Motion2 as [px py | vx vy], Accel3 as [p | v | a], …
 //   Separate<Layout>                  the same numbers in a block for each part between the bars above ([x y], [θ] for PositionYaw)
+//   EachNumber<Layout>                the same numbers in a block for each of them: x, y and θ as three blocks of one
 //
 // A quaternion that is not of length 1 counts as the rotation of its direction; so a Jacobian with respect to these numbers is exact
 // whatever manifold the user puts on the block. The rotation is that of R_world_body.
@@ -156,6 +157,8 @@ struct ByDerivative {
 
 template <class L>
 struct Separate : L {};
+template <class L>
+struct EachNumber : L {};
 
 // ---- the same without types, for compiled code
 
@@ -186,6 +189,10 @@ struct BlocksOf {
 template <class L>
 struct BlocksOf<Separate<L>> {
   static std::vector<int> get() { return {L::parts.begin(), L::parts.end()}; }
+};
+template <class L>
+struct BlocksOf<EachNumber<L>> {
+  static std::vector<int> get() { return std::vector<int>(layout_size<L>, 1); }
 };
 
 template <class L>

@@ -32,12 +32,24 @@ struct MrptConstraint<mrpt::poses::CPose3D> {
 /// Node 17 is the key x17; ids of 2^32 and more are taken bit by bit (graph/key.hpp). to_mrpt() gives x17 the id 17, whatever it came from.
 inline Key mrpt_key(mrpt::graphs::TNodeID id) { return Key::from_id(id); }
 
+namespace detail {
+template <class C>
+auto mrpt_edge(mrpt::graphs::TNodeID from, mrpt::graphs::TNodeID to, const C& edge) -> Between<typename MrptConstraint<C>::Pose> {
+  try {
+    return Between<typename MrptConstraint<C>::Pose>::from_information(MrptConstraint<C>::measured(edge),
+                                                                       MrptConstraint<C>::information(edge));
+  } catch (const BadNumber& error) {
+    fail<BadNumber>("edge ", from, " -> ", to, " of the network: ", error.what(),
+                    "\nMRPT (2.5.8) takes the information of a TORO file (EDGE2) in g2o's order: read such a file with read_toro, and hand "
+                    "over to_mrpt(…)");
+  }
+}
+}  // namespace detail
+
 /// One Between an edge, parallel ones and all, in the order of the network. loss: of every edge but those between consecutive ids.
-/// BadKey names an edge of a node that is not there.
+/// BadKey names an edge of a node that is not there, BadNumber one whose information is none.
 template <class Network>
 Problem from_mrpt(const Network& network, const Loss& loss = {}) {
-  using Constraint = MrptConstraint<typename Network::constraint_t>;
-  using Pose = typename Constraint::Pose;
   using Theirs = typename Network::constraint_no_pdf_t;
   Problem problem;
   for (const auto& [id, pose] : network.nodes) problem.start.insert(mrpt_key(id), static_cast<const Theirs&>(pose));
@@ -47,8 +59,8 @@ Problem from_mrpt(const Network& network, const Loss& loss = {}) {
       if (!problem.start.contains(mrpt_key(id)))
         fail<BadKey>("edge ", from, " -> ", to, " of the network has no node ", id, "; add it, or call dijkstra_nodes_estimate()");
     if (network.edges_store_inverse_poses) std::swap(from, to);
-    const auto between = Between<Pose>::from_information(Constraint::measured(edge), Constraint::information(edge));
-    problem.factors.push_back(problem.graph.add(between, {mrpt_key(from), mrpt_key(to)}, from + 1 == to || to + 1 == from ? Loss{} : loss));
+    problem.factors.push_back(problem.graph.add(detail::mrpt_edge<typename Network::constraint_t>(ids.first, ids.second, edge),
+                                                {mrpt_key(from), mrpt_key(to)}, from + 1 == to || to + 1 == from ? Loss{} : loss));
   }
   if (problem.start.contains(mrpt_key(network.root))) problem.graph.fix(mrpt_key(network.root));
   return problem;

@@ -83,6 +83,7 @@ constexpr auto xyzw = QuaternionOrder::xyzw, wxyz = QuaternionOrder::wxyz;
 TEST(CeresLayouts, JacobiansAreExactInTheUsersNumbers) {
   expect_exact_in<Own<Pose2>, PositionYaw>(kBetween2, 1);
   expect_exact_in<Separate<PositionYaw>, Separate<Own<Pose2>>>(kBetween2, 2);
+  expect_exact_in<EachNumber<PositionYaw>, EachNumber<Own<Pose2>>>(kBetween2, 2);
   expect_exact_in<Own<Pose3>, PositionQuaternion<wxyz>>(kBetween3, 3);
   expect_exact_in<QuaternionPosition<xyzw>, QuaternionPosition<wxyz>>(kBetween3, 4);
   expect_exact_in<Separate<PositionQuaternion<wxyz>>, Separate<QuaternionPosition<xyzw>>>(kBetween3, 5);
@@ -101,6 +102,17 @@ TEST(CeresLayouts, EachHoldsWhatItWasGiven) {
   EXPECT_LT(pose.local(QuaternionPosition<wxyz>::read(x)).norm(), 1e-15);
   ByDerivative<Motion2>::write(Motion2(1, 2, 3, 4), x);  // px vx py vy
   EXPECT_EQ((std::vector<double>{x[0], x[1], x[2], x[3]}), (std::vector<double>{1, 3, 2, 4}));
+}
+
+/// As Ceres' own pose_graph_2d keeps its poses.
+TEST(CeresLayouts, ThreeNumbersAreThreeBlocks) {
+  double x = 0, y = 0, yaw = 0.5, beacon[2] = {3, 4};
+  ceres::Problem problem;
+  ceres_add<EachNumber<PositionYaw>, Own<Point2>>(problem, Range<Pose2, Point2>{4, 0.5}, Squared{}, {&x, &y, &yaw, beacon});
+  EXPECT_EQ(problem.NumParameterBlocks(), 4);
+  double cost = 0;
+  problem.Evaluate({}, &cost, nullptr, nullptr, nullptr);
+  EXPECT_DOUBLE_EQ(cost, 0.5 * 4);  // (5 − 4) / 0.5
 }
 
 template <class Layout>

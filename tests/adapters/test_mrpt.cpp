@@ -227,6 +227,21 @@ std::string message_of(const Fn& fn) {
   return "";
 }
 
+TEST(MrptNetwork, AnInformationThatIsNoneIsNamedByItsEdge) {
+  mrpt::graphs::CNetworkOfPoses2DInf network;
+  network.nodes[4] = network.nodes[7] = mrpt::poses::CPose2D();
+  mrpt::poses::CPosePDFGaussianInf edge;
+  edge.cov_inv.setIdentity();
+  edge.cov_inv(0, 0) = -1;
+  network.insertEdge(4, 7, edge);
+  try {
+    from_mrpt(network);
+    FAIL() << "it was taken";
+  } catch (const BadNumber& error) {
+    EXPECT_THAT(error.what(), ::testing::AllOf(::testing::HasSubstr("edge 4 -> 7"), ::testing::HasSubstr("read_toro")));
+  }
+}
+
 TEST(MrptNetwork, WhatItCannotHoldIsNamed) {
   Problem problem = from_mrpt(small_network());
   const auto convert = [&] { to_mrpt<CNetworkOfPoses2DInf>(problem.graph, problem.start); };
