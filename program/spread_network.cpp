@@ -60,6 +60,7 @@ class Cells {
 
  private:
   std::int64_t first_of(std::int64_t cell) const {
+    if (cell == across_ * across_) return nodes_;  // which rounding might miss by one
     const auto share = static_cast<long double>(nodes_) / static_cast<long double>(across_ * across_);
     return static_cast<std::int64_t>(share * static_cast<long double>(cell));
   }
