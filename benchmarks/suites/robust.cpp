@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <holdfast/adapters/files/to_dataset.hpp>
 #include <holdfast/benchmarks/race.hpp>
+#include <holdfast/benchmarks/suites/profile.hpp>
 #include <holdfast/benchmarks/suites/robust_cases.hpp>
 #include <holdfast/common/machine.hpp>
 #include <holdfast/common/metrics.hpp>
@@ -13,6 +14,7 @@
 #include <holdfast/solvers/outlier_report.hpp>
 #include <holdfast/solvers/pairwise_consistency.hpp>
 #include <holdfast/solvers/table.hpp>
+#include <map>
 
 namespace holdfast::bench {
 namespace {
@@ -164,6 +166,48 @@ void print_scores(std::ostream& out, const std::vector<Json>& lines) {
   table.print(out);
 }
 
+/// Profiles over the runs that every method has and where success can be judged: seconds, a failure is infinite; and how near the answers
+/// are. Errors are not compared by their ratio: many are zero to rounding.
+void print_profiles(std::ostream& out, const std::vector<Json>& lines) {
+  const std::vector<double> factors{1, 2, 5, 10, 100}, errors{0.001, 0.01, 0.1, 1};
+  std::vector<std::string> methods;
+  std::map<std::string, std::map<std::string, const Json*>> runs;
+  for (const Json& line : lines) {
+    const std::string method = line["method"];
+    if (std::find(methods.begin(), methods.end(), method) == methods.end()) methods.push_back(method);
+    if (line["success"].is_boolean()) runs[Json{line["graph"], line["kind"], line["share"], line["seed"]}.dump()][method] = &line;
+  }
+  constexpr double kFailed = std::numeric_limits<double>::infinity();
+  std::vector<std::vector<double>> seconds, ate;
+  for (const auto& [problem, of_method] : runs) {
+    if (of_method.size() < methods.size()) continue;
+    seconds.emplace_back();
+    ate.emplace_back();
+    for (const std::string& method : methods) {
+      const Json& line = *of_method.at(method);
+      seconds.back().push_back(line["success"] == true ? line["seconds"].get<double>() : kFailed);
+      ate.back().push_back(line["ate"].is_number() ? line["ate"].get<double>() : kFailed);
+    }
+  }
+  if (methods.size() < 2 || seconds.empty()) return;
+  std::vector<Table::Column> columns{{"share of " + std::to_string(seconds.size()) + " runs", Table::Align::left}};
+  for (const double factor : factors) columns.push_back({cell("%g x fastest", factor), Table::Align::right});
+  for (const double error : errors) columns.push_back({cell("ATE <= %g m", error), Table::Align::right});
+  Table table(columns);
+  const auto profile = performance_profile(seconds, factors);
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    std::vector<std::string> row{methods[m]};
+    for (const double share : profile[m]) row.push_back(cell("%.3f", share));
+    for (const double error : errors) {
+      const auto near = std::count_if(ate.begin(), ate.end(), [&](const auto& problem) { return problem[m] <= error; });
+      row.push_back(cell("%.3f", static_cast<double>(near) / static_cast<double>(ate.size())));
+    }
+    table.add(row);
+  }
+  out << "Profiles: solved within so many times the seconds of the fastest that succeeded (a failure never is), and within these errors:\n";
+  table.print(out);
+}
+
 }  // namespace
 
 bool race_robust(const RunnerOptions& asked, Journal& journal, Terminal& terminal) {
@@ -224,7 +268,10 @@ bool race_robust(const RunnerOptions& asked, Journal& journal, Terminal& termina
       }
     }
   bar.clear();
-  if (!lines.empty()) print_scores(terminal.out, lines);
+  if (!lines.empty()) {
+    print_scores(terminal.out, lines);
+    print_profiles(terminal.out, lines);
+  }
   if (!absent.empty()) terminal.out << "skipped, for there is no such file in the data directory:" << absent << "\n";
   terminal.out << "results: " << journal.path() << "\n" << std::endl;
   return true;

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <holdfast/benchmarks/race.hpp>
+#include <holdfast/benchmarks/suites/profile.hpp>
 #include <holdfast/benchmarks/suites/robust_cases.hpp>
 #include <holdfast/factors/between.hpp>
 #include <holdfast/factors/range.hpp>
@@ -293,6 +294,14 @@ TEST(RobustCases, AreChosenByNameAndAWrongNameIsSaidWithThoseThereAre) {
   EXPECT_THROW(robust_methods(options), BadOption);
 }
 
+// Two methods: the first is twice as fast on the first problem and fails on the second; nobody solves the third.
+TEST(Profile, SharesOfProblemsWithinAFactorOfTheBest) {
+  constexpr double kFailed = std::numeric_limits<double>::infinity();
+  const auto profile = performance_profile({{1, 2}, {kFailed, 5}, {kFailed, kFailed}, {3, 3}}, {1, 2});
+  EXPECT_EQ(profile, (std::vector<std::vector<double>>{{0.5, 0.5}, {0.5, 0.75}}));
+  EXPECT_TRUE(performance_profile({}, {1}).empty());
+}
+
 TEST_F(Robust, ARunIsScoredByErrorPrecisionAndRecallAndWritesItsProblems) {
   const DataDirectory data(at(""));
   const std::vector<std::string> ranges{"bench",  "robust",   "--graphs", "plaza2",    "--kinds",
@@ -300,6 +309,7 @@ TEST_F(Robust, ARunIsScoredByErrorPrecisionAndRecallAndWritesItsProblems) {
                                         "--runs", "1",        "--out",    at("out")};
   const program::Outcome run = program::holdfast_program(ranges);
   ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("share of 1 runs"));
   const auto lines = lines_of(at("out/robust.jsonl"));
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_EQ(lines[0]["success"], false) << lines[0];
