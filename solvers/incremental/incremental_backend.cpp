@@ -4,11 +4,10 @@
 #include <holdfast/graph/gradient.hpp>
 #include <holdfast/solvers/detail/clock.hpp>
 #include <holdfast/solvers/incremental/incremental_backend.hpp>
+#include <holdfast/solvers/internal/minimizer.hpp>
 
 namespace holdfast {
 namespace {
-
-bool is_same(FactorId a, FactorId b) { return a.number == b.number && a.generation == b.generation; }
 
 /// The variables of `values` that `last` has, too, are where that has them, and there are some.
 bool begins_at(const Values& last, const Values& values) {
@@ -47,17 +46,16 @@ void IncrementalBackend::forget() {
 
 Summary IncrementalBackend::minimize(const Graph& graph, Values& values) {
   if (!answer_ || !goes_on(graph, values)) return solve_whole(graph, values);
-  const double cost_first = graph.cost(values);
-  Values start = values;
+  Values answer = values;
   try {
-    if (const std::optional<Summary> summary = update(graph, values, cost_first)) {
-      answer_ = values;
+    if (const std::optional<Summary> summary = update(graph, answer)) {
+      values.assign(answer);
+      answer_ = std::move(answer);
       return *summary;
     }
   } catch (const Underdetermined&) {  // irls damps what nothing holds
   } catch (const BadNumber&) {        // irls names the factor in its summary
   }
-  values.assign(start);
   return solve_whole(graph, values);
 }
 
@@ -83,27 +81,32 @@ Summary IncrementalBackend::solve_whole(const Graph& graph, Values& values) {
   return summary;
 }
 
-std::optional<Summary> IncrementalBackend::update(const Graph& graph, Values& values, double cost_first) {
+/// `values`: the start on entry, the answer on exit, where there is one.
+std::optional<Summary> IncrementalBackend::update(const Graph& graph, Values& values) {
   const Stopwatch watch;
-  if (!std::isfinite(cost_first)) return std::nullopt;
+  const Resolved resolved(graph, values);
+  Summary summary;
+  summary.cost_first = resolved.cost(graph, values);
+  if (!std::isfinite(summary.cost_first)) return std::nullopt;
   if (!smoother_) smoother_.emplace(how_);
   take_changes(graph, values);
   if (smoother_->size() == smoother_->graph().fixed().size()) return std::nullopt;  // irls says that nothing is free
-  Summary summary;
-  summary.cost_first = cost_first;
   summary.seconds_setup = watch.seconds();
   const IncrementalStep& step = smoother_->update();
+  if (!step.settled) return std::nullopt;
   summary.seconds_solve = step.seconds;
   summary.iterations = step.steps;
   smoother_->read_into(values);
-  summary.cost = graph.cost(values);
-  // A factor whose numbers were changed in place costs something else here than there.
+  std::vector<double> gradient;
+  summary.cost = GradientEvaluator(graph)(graph, resolved, values, gradient);
+  summary.gradient_norm = max_norm(gradient);
   constexpr double kRounding = 1e-9;
-  if (std::abs(summary.cost - smoother_->cost()) > kRounding * (summary.cost + cost_first)) return std::nullopt;
-  if (!step.settled || !(summary.cost <= cost_first * (1 + kRounding))) return std::nullopt;
+  if (!(summary.cost <= summary.cost_first * (1 + kRounding))) return std::nullopt;
+  // A factor whose numbers were changed in place costs something else here than there.
+  const double difference = summary.cost - smoother_->graph().cost(values);
+  if (std::abs(difference) > kRounding * (summary.cost + summary.cost_first)) return std::nullopt;
   summary.termination = Termination::converged;
   summary.rule = "every variable is near where its factors were linearised";
-  for (const double component : gradient(graph, values).value) summary.gradient_norm = std::max(summary.gradient_norm, std::abs(component));
   const Iteration last{summary.iterations, summary.cost, summary.gradient_norm, watch.seconds()};
   if (options.trace) summary.trace.push_back(last);
   if (options.progress && !options.progress(last)) {
@@ -123,7 +126,7 @@ void IncrementalBackend::take_changes(const Graph& graph, const Values& values) 
       const FactorId id = graph.id_of(static_cast<int>(b), i);
       if (taken_.size() <= static_cast<std::size_t>(id.number)) taken_.resize(static_cast<std::size_t>(id.number) + 1);
       Taken& taken = taken_[static_cast<std::size_t>(id.number)];
-      const bool is_known = taken.ours.number >= 0 && is_same(taken.theirs, id);
+      const bool is_known = taken.ours.number >= 0 && taken.generation == id.generation;
       taken.is_seen = is_known && taken.weight == batch.weight(i) && taken.loss == batch.loss(i);
       if (!taken.is_seen) come.push_back(id);
     }
@@ -152,8 +155,8 @@ void IncrementalBackend::take(const Graph& graph, const Values& values, FactorId
     }
     ++it->second;
   }
-  taken_[static_cast<std::size_t>(id.number)] = {id, smoother_->add_from(graph, id), batch.weight(place.index), batch.loss(place.index),
-                                                 true};
+  taken_[static_cast<std::size_t>(id.number)] = {id.generation, smoother_->add_from(graph, id), batch.weight(place.index),
+                                                 batch.loss(place.index), true};
 }
 
 void IncrementalBackend::let_go(Taken& taken) {

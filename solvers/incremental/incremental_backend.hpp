@@ -36,7 +36,8 @@ class IncrementalBackend final : public Backend {
  private:
   /// What the smoother has of a factor, by its number in the caller's graph.
   struct Taken {
-    FactorId theirs, ours;  ///< number −1: none
+    unsigned generation = 0;  ///< there
+    FactorId ours;            ///< number −1: none
     double weight = 0;
     Loss loss;
     bool is_seen = false;
@@ -44,7 +45,7 @@ class IncrementalBackend final : public Backend {
 
   bool goes_on(const Graph& graph, const Values& values) const;
   Summary solve_whole(const Graph& graph, Values& values);
-  std::optional<Summary> update(const Graph& graph, Values& values, double cost_first);
+  std::optional<Summary> update(const Graph& graph, Values& values);
   void take_changes(const Graph& graph, const Values& values);
   void take(const Graph& graph, const Values& values, FactorId id);
   void let_go(Taken& taken);
