@@ -21,7 +21,7 @@ namespace holdfast {
 /// What only this back-end has.
 struct NesterovOptions {
   /// Of convex problems. whole: H ≼ P, fewest iterations. chains: per agent, so that agents exchange nothing but what their neighbours'
-  /// gradients need; on a network of 10,000 nodes about three times the iterations.
+  /// gradients need; more iterations.
   enum class Metric { whole, chains };
   Metric metric = Metric::whole;
 };
