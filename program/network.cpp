@@ -17,7 +17,7 @@ namespace holdfast::program {
 CLI::App* add_network(CLI::App& app, NetworkArguments& arguments) {
   CLI::App* command = app.add_subcommand("network", "solve a random network of agents by ranges, in as many processes as mpirun starts");
   command->add_option("--agents", arguments.agents, "one a square metre, a tenth of them anchors, eight neighbours each")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(2, 2000000000))
       ->capture_default_str();
   command->add_option("--backend", arguments.backend)->check(CLI::IsMember({"petsc", "nesterov-mpi"}))->capture_default_str();
   command->add_option("--petsc", arguments.petsc, "PETSc's own options, as one text: \"-ksp_type cg -pc_type asm\"");
@@ -94,13 +94,13 @@ int network_of_processes(const NetworkArguments& arguments, Terminal& terminal) 
 
   terminal.out << agents << " agents, " << ranges << " ranges, " << all.size() << " processes, seed " << arguments.seed << "; made in "
                << seconds_made << " s\n";
-  if (!arguments.state.empty()) terminal.out << "gone on from " << arguments.state << " for " << resumed << " of them\n";
+  if (resumed > 0) terminal.out << "gone on from " << arguments.state << " for " << resumed << " of them\n";
   terminal.out.precision(15);
   terminal.out << arguments.backend << ": cost " << summary.cost_first << " -> " << summary.cost << '\n';
   terminal.out.precision(6);
   terminal.out << "  " << to_string(summary.termination) << " (" << summary.why() << "), " << summary.iterations << " iterations, "
                << seconds << " s";
-  if (std::isfinite(summary.decrement))
+  if (std::isfinite(summary.decrement) && summary.cost > 0)
     terminal.out << "; above the minimum by about " << summary.decrement / summary.cost << " of the cost";
   terminal.out << "\n  boundary states: " << boundary << " bytes in " << links << " messages for all; sent in the solve: " << sent[0]
                << " bytes, " << sent[1] << " messages; reductions: " << reductions << " a process\n";

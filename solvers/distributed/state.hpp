@@ -1,6 +1,6 @@
 // The state of a solve in files, one a process: what a killed job goes on from, in as many processes as there then are.
 //
-//   load_state(graph, "state");                                  // collective; false: nothing is there yet
+//   load_state(graph, "state");                                  // collective; 0: nothing is there yet
 //   options.progress = [&](const Iteration& i) { save_state(graph, "state", i.number); return true; };
 //
 // Each process writes its own variables to DIRECTORY/part-<rank>.state, whole or not at all (graph/files/atomic.hpp). A job that is killed

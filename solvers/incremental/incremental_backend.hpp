@@ -14,6 +14,7 @@
 // and where Incremental cannot (a variable that nothing holds), or would end at a higher cost than the start's.
 // Cost of a solve: what the update costs, and a few passes over factors and variables to see what has changed.
 // Of Options, an update looks at progress, trace, second_order and findings alone: limits and tolerances are those of irls.
+// A Window that is restored from a file has a new back-end: its answers are then the same to this accuracy, not bit by bit.
 // Threads: as every back-end.
 #pragma once
 

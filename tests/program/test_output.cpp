@@ -34,6 +34,13 @@ TEST_F(Output, TheHelpOfEveryCommandHasExamplesWithItsName) {
   }
 }
 
+TEST_F(Output, ANumberOutOfRangeIsSaidInOneShortLine) {
+  const Outcome outcome = holdfast_program({"network", "--agents", "0"});
+  EXPECT_EQ(outcome.code, kUsage);
+  EXPECT_THAT(outcome.err, HasSubstr("not in range"));
+  EXPECT_LT(outcome.err.find('\n'), 120u) << outcome.err;
+}
+
 TEST_F(Output, JsonOnTheStandardOutputStandsAlone) {
   const std::string file = write("two.pyfg", small_pyfg());
   const std::vector<std::vector<std::string>> calls{{"check", file},
