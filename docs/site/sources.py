@@ -1,8 +1,9 @@
 """Puts together what Sphinx reads: sources.py OUT.
 
 The pages of docs/ and of the root, with links to files of the tree led to a page that shows the file; consecutive blocks of C++ and Python
-side by side; and the pages of docs/site, where <!-- factors: … --> becomes what the headers' comments say.
+side by side; the notebooks; and the pages of docs/site, where <!-- factors: … --> becomes what the headers' comments say.
 """
+import json
 import os
 import pathlib
 import posixpath
@@ -21,6 +22,7 @@ LANGUAGES = {".hpp": "cpp", ".cpp": "cpp", ".py": "python", ".cmake": "cmake", "
 def pages(root=ROOT):
     """{file of the tree: page of the site}"""
     found = {f"docs/{path.name}": path.name for path in sorted((root / "docs").glob("*.md"))}
+    found.update({f"docs/notebooks/{path.name}": f"notebooks/{path.name}" for path in sorted((root / "docs/notebooks").glob("*.ipynb"))})
     site = root / "docs" / "site"
     found.update({str(path.relative_to(root)): str(path.relative_to(site)) for path in sorted(site.rglob("*.md"))})
     return {**found, **{name: name for name in ROOT_PAGES}}
@@ -55,6 +57,22 @@ def with_links(text, file, page, root, shown):
         where = posixpath.relpath(to, posixpath.dirname(page) or ".")
         return f"{image}[{words}]({where}{'#' + anchor if anchor else ''})"
     return "".join(part if part.startswith("```") else LINK.sub(replaced, part) for part in CODE.split(text))
+
+
+def notebook(text, file, page, root, shown):
+    """A notebook with the links of its prose as they are on its page. Sphinx runs it (myst-nb), and shows what it prints."""
+    content = json.loads(text)
+    for cell in content["cells"]:
+        if cell["cell_type"] == "markdown":
+            cell["source"] = with_links("".join(cell["source"]), file, page, root, shown)
+    return json.dumps(content)
+
+
+def prose(page, text):
+    """What a page says, without the code of a notebook."""
+    if not page.endswith(".ipynb"):
+        return text
+    return "\n\n".join("".join(cell["source"]) for cell in json.loads(text)["cells"] if cell["cell_type"] == "markdown")
 
 
 def side_by_side(text):
@@ -107,7 +125,11 @@ def assemble(out, root=ROOT):
     """{page: its text}, written to `out` with the drawings and what Sphinx is told."""
     shown, texts = set(), {}
     for file, page in pages(root).items():
-        text = with_links((root / file).read_text(encoding="utf-8"), file, page, root, shown)
+        text = (root / file).read_text(encoding="utf-8")
+        if page.endswith(".ipynb"):
+            texts[page] = notebook(text, file, page, root, shown)
+            continue
+        text = with_links(text, file, page, root, shown)
         texts[page] = side_by_side(re.sub(
             r"<!-- factors: ([\w ]+) -->", lambda match: "\n".join(section(stem, root, shown) for stem in match[1].split()), text))
     for path in shown:
