@@ -69,7 +69,12 @@ class CliqueTree {
 
   void touch(int variable);
   void take_off(int clique);
+  struct Columns;
   int eliminate_dirty();
+  void find_structure(Columns& columns);
+  void join_columns(Columns& columns) const;
+  int make_cliques(Columns& columns);
+  void take_back(const Columns& columns);
   std::vector<int> order_of(const std::vector<int>& variables, const std::vector<int>& orphans);
   int make_clique(const std::vector<int>& own, const std::vector<int>& separator, const std::vector<int>& children);
   void lay_out(Clique& clique);
