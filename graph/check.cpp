@@ -29,14 +29,14 @@ class Doctor {
     if (residuals_are_good && resolved.tangent_dim() > 0) {
       if (Finding stuck = zero_distance(graph_, values_); !stuck.keys.empty()) findings_.push_back(std::move(stuck));
       check_observability(resolved);
-      check_mirror_images();
+      const std::vector<Finding> mirrors = mirror_findings(graph_, values_);
+      findings_.insert(findings_.end(), mirrors.begin(), mirrors.end());
     }
     return std::move(findings_);
   }
 
  private:
   static constexpr double kMostInSquare = 1e100;  // leaves its square room for weights
-  static constexpr std::size_t kMostNames = 6;
 
   template <class... Parts>
   void add_text(Kind kind, Severity severity, std::vector<Key> keys, const Parts&... parts) {
@@ -175,20 +175,6 @@ class Doctor {
                " or more further directions are not constrained");
   }
 
-  void check_mirror_images() {
-    for (const MirrorImage& image : mirror_images(graph_, values_))
-      add_text(Kind::mirror_image, Severity::warning, image.points, names_of(image.points), image.points.size() > 1 ? " fit" : " fits",
-               " as well on the other side of the ", image.normal.size() == 3 ? "plane" : "line", " of ", names_of(image.anchors),
-               ": nothing measured says which side is true; add a prior, a bearing or an anchor off the ",
-               image.normal.size() == 3 ? "plane" : "line", ", or look at both (mirrored(), solve --mirror)");
-  }
-  static std::string names_of(const std::vector<Key>& keys) {
-    std::string names;
-    for (std::size_t i = 0; i < std::min(keys.size(), kMostNames); ++i) names += (i > 0 ? ", " : "") + keys[i].str();
-    if (keys.size() > kMostNames) names += " and " + std::to_string(keys.size() - kMostNames) + " more";
-    return names;
-  }
-
   const Graph& graph_;
   const Values& values_;
   std::vector<Finding> findings_;
@@ -197,6 +183,26 @@ class Doctor {
 }  // namespace
 
 std::vector<Finding> check(const Graph& graph, const Values& values) { return Doctor(graph, values).examine(); }
+
+std::vector<Finding> mirror_findings(const Graph& graph, const Values& values) {
+  static constexpr std::size_t kMostNames = 6;
+  const auto names_of = [](const std::vector<Key>& keys) {
+    std::string names;
+    for (std::size_t i = 0; i < std::min(keys.size(), kMostNames); ++i) names += (i > 0 ? ", " : "") + keys[i].str();
+    if (keys.size() > kMostNames) names += " and " + std::to_string(keys.size() - kMostNames) + " more";
+    return names;
+  };
+  std::vector<Finding> findings;
+  for (const MirrorImage& image : mirror_images(graph, values)) {
+    const char* const surface = image.normal.size() == 3 ? "plane" : "line";
+    std::ostringstream text;
+    text << names_of(image.points) << (image.points.size() > 1 ? " fit" : " fits") << " as well on the other side of the " << surface
+         << " of " << names_of(image.anchors) << ": nothing measured says which side is true; add a prior, a bearing or an anchor off the "
+         << surface << ", or look at both (mirrored(), solve --mirror)";
+    findings.push_back({Kind::mirror_image, Severity::warning, text.str(), image.points});
+  }
+  return findings;
+}
 
 Finding zero_distance(const Graph& graph, const Values& values) {
   constexpr std::size_t kMostNamed = 5;

@@ -43,6 +43,9 @@ std::vector<Finding> check(const Graph& graph, const Values& values);
 /// variables on one spot is such a one: the cost falls in every direction, and no gradient says in which. Throws BadKey, BadType.
 Finding zero_distance(const Graph& graph, const Values& values);
 
+/// The mirror images of these values (mirror.hpp), a finding each. Throws BadKey, BadType.
+std::vector<Finding> mirror_findings(const Graph& graph, const Values& values);
+
 /// Findings that say the same of many keys as one: of each kind and severity beyond three, the first with the keys of the others behind it.
 std::vector<Finding> merged(const std::vector<Finding>& findings);
 

@@ -23,6 +23,11 @@ class ByteWriter {
   }
   ByteWriter& put(std::string_view text) { return put<std::uint64_t>(text.size()).put(text.data(), text.size()); }
   ByteWriter& put(Key key) { return put(key.bits()); }
+  template <class T>
+  ByteWriter& put(const std::vector<T>& list) {
+    static_assert(std::is_arithmetic_v<T>);
+    return put<std::uint64_t>(list.size()).put(list.data(), sizeof(T) * list.size());
+  }
   const std::string& bytes() const { return bytes_; }
 
  private:
@@ -47,6 +52,12 @@ class ByteReader {
   Key get_key();
   /// A number of things, each of at least `bytes`; BadFile where so many cannot follow.
   std::size_t get_count(std::size_t bytes);
+  template <class T>
+  std::vector<T> get_list() {
+    std::vector<T> list(get_count(sizeof(T)));
+    if (const char* from = take(sizeof(T) * list.size()); !list.empty()) std::memcpy(list.data(), from, sizeof(T) * list.size());
+    return list;
+  }
   bool at_end() const { return bytes_.empty(); }
 
  private:

@@ -18,9 +18,16 @@ int CliqueTree::make_clique(const std::vector<int>& own, const std::vector<int>&
   clique.own = own;
   clique.separator = separator;
   clique.children = children;
-  lay_out(clique);
   for (const int v : own) variables_[v].clique = number;
   for (const int child : children) cliques_[child].parent = number;
+  make_front(number);
+  return number;
+}
+
+/// False, and the clique's k is 0, where it is not positive definite: then culprit_ says which variable.
+bool CliqueTree::make_front(int number) {
+  Clique& clique = cliques_[number];
+  lay_out(clique);
   find_terms(clique);
   assemble_own(clique);
   fresh_.push_back(number);
@@ -35,16 +42,16 @@ int CliqueTree::make_clique(const std::vector<int>& own, const std::vector<int>&
   if (!is_definite) {
     culprit_ = weakest(clique);
     clique.k = 0;
-    return number;
+    return false;
   }
   work_ += front_flops(k, n);
   if (m > 0) {
     dense::negative_outer(m, k, clique.panel.data() + k, clique.ld, clique.update.data(), clique.update_ld, 0, m);
     for (const int term : front_terms_) add_term_to(clique, terms_[term], Part::separator);
-    for (const int child : children) add_update_to(clique, cliques_[child], Part::separator);
+    for (const int child : clique.children) add_update_to(clique, cliques_[child], Part::separator);
   }
   dense::forward(n, k, clique.panel.data(), clique.ld, clique.y.data());
-  return number;
+  return true;
 }
 
 void CliqueTree::assemble_own(Clique& clique) {

@@ -24,17 +24,25 @@
 // Threads. One thread at a time. Nothing is shared between objects.
 #pragma once
 
+#include <holdfast/graph/check.hpp>
 #include <holdfast/graph/graph.hpp>
+#include <holdfast/solvers/outlier_report.hpp>
 #include <holdfast/solvers/summary.hpp>
 #include <memory>
 
 namespace holdfast {
+
+namespace io {
+class ByteReader;
+}  // namespace io
 
 struct IncrementalOptions {
   double relinearize = 1e-3;  ///< > 0: of any component of a tangent [m, rad, …], from where a variable was linearised
   double propagate = 1e-5;    ///< >= 0: parts of the tree whose neighbours moved by less are not solved again
   int most_steps = 5;         ///< >= 1, of one update
   double reorder = 20;        ///< > 0: work of updates, in whole factorisations, after which all is ordered afresh
+  bool findings = false;      ///< IncrementalStep::findings, gone. Cost: three evaluations of the factors of the points that are tied anew
+  bool report = false;        ///< IncrementalStep::report. Cost: an evaluation of those factors
 
   /// Throws BadOption with field, value and rule.
   void validate() const;
@@ -48,6 +56,9 @@ struct IncrementalStep {
   bool settled = true;  ///< no variable is further than `relinearize` from where it was linearised
   bool batch = false;   ///< `most_steps` were not enough: irls solved the whole graph
   double seconds = 0;
+  std::vector<Finding> findings;          ///< if asked for: ranges at zero distance and mirror images (check.hpp) that it brought
+  std::vector<Finding> gone;              ///< the same: those of before that it ended
+  std::vector<MeasurementReport> report;  ///< if asked for: of the factors that came, and of those that were linearised anew
 };
 
 /// The graph leaves a direction free: names a variable that it moves. What was added stays; add a prior or a measurement and update again.
@@ -93,7 +104,7 @@ class Incremental {
 
   /// Throws Underdetermined, and BadNumber where a residual or Jacobian is not finite, naming the factor.
   const IncrementalStep& update();
-  /// Steps until the cost no longer falls: the batch answer.
+  /// Steps until the cost no longer falls: the batch answer. Where no variable is free, nothing is done.
   Summary finish();
 
   const Graph& graph() const { return graph_; }
@@ -112,6 +123,16 @@ class Incremental {
   /// Joint covariance of these variables, in their order: of the linearised problem at hand. Throws BadKey (fixed ones, too).
   Eigen::MatrixXd covariance(const std::vector<Key>& keys);
 
+  // ---- a robot that loses power resumes where it was.
+
+  /// Graph, estimates, factorisation, what update() has not seen yet, and a note of yours, into a versioned, checksummed file, written whole
+  /// or not at all. Throws BadFile, also where a factor cannot be written (a function).
+  void save(const std::string& path, std::string_view note = {}) const;
+  /// Takes the place of all there is; the options stay. Returns the note. What follows has the same bits as if nothing had happened, and
+  /// FactorIds of before name their factors again. The program has to know the file's variable and factor types (graph/files/binary.hpp).
+  /// Cost: a factorisation. Throws BadFile, and is as it was.
+  std::string restore(const std::string& path);
+
  private:
   struct State;
   FactorId entered(FactorId id);
@@ -123,6 +144,13 @@ class Incremental {
   void solve(bool afresh);
   void relinearize();
   Summary solve_batch(double accuracy);
+  std::vector<FactorId> part_of(const std::vector<FactorId>& ids, Graph& part, Values& estimate) const;
+  void describe();
+  void report_measurements(const std::vector<FactorId>& ids);
+  void find_stuck(const std::vector<FactorId>& ids);
+  void find_mirrors();
+  std::string read_state(io::ByteReader& in);
+  void find_factors();
 
   IncrementalOptions options_;
   Graph graph_;

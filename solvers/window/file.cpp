@@ -1,45 +1,16 @@
 #include <algorithm>
 #include <holdfast/graph/files/atomic.hpp>
 #include <holdfast/graph/files/binary.hpp>
+#include <holdfast/graph/files/internal/sealed.hpp>
 #include <holdfast/graph/files/internal/text.hpp>
 #include <holdfast/solvers/window/window.hpp>
 
 namespace holdfast {
 namespace {
 
-constexpr std::string_view kMagic = "holdfast window\n";
-constexpr std::uint32_t kVersion = 4;  // 2 was 0.1.0: agents were letters, factors raw bytes; 3 forgot what a lock remembers
-
-/// FNV-1a, 64 bits.
-std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325ull;
-  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-  return hash;
-}
-
-// magic, version, size of the payload, payload, checksum of all before.
-std::string sealed(std::string_view payload) {
-  io::ByteWriter out;
-  out.put(kMagic.data(), kMagic.size()).put(kVersion).put<std::uint64_t>(payload.size()).put(payload.data(), payload.size());
-  const std::uint64_t sum = checksum(out.bytes());
-  return out.put(sum).bytes();
-}
-
-std::string_view unsealed(std::string_view file) {
-  constexpr std::size_t kHead = kMagic.size() + sizeof(std::uint32_t) + sizeof(std::uint64_t);
-  if (file.substr(0, kMagic.size()) != kMagic) fail<BadFile>("it is no file of a holdfast window");
-  io::ByteReader head(file.substr(kMagic.size()));
-  const auto version = head.get<std::uint32_t>();
-  if (version != kVersion)
-    fail<BadFile>("it is of version ", version, ", and this program reads version ", kVersion,
-                  "; start a new window, or go on with the program that saved it (2: holdfast 0.1.0)");
-  const auto size = head.get<std::uint64_t>();
-  if (file.size() < kHead + sizeof(std::uint64_t) || size != file.size() - kHead - sizeof(std::uint64_t))
-    fail<BadFile>("it is torn: ", file.size(), " bytes, where its head says ", kHead + size + sizeof(std::uint64_t));
-  io::ByteReader tail(file.substr(kHead + size));
-  if (tail.get<std::uint64_t>() != checksum(file.substr(0, kHead + size))) fail<BadFile>("its checksum is wrong: bytes of it have changed");
-  return file.substr(kHead, size);
-}
+// Version 2 was 0.1.0: agents were letters, factors raw bytes; 3 forgot what a lock remembers.
+constexpr io::FileKind kKind{"holdfast window\n", 4, "a holdfast window",
+                             "start a new window, or go on with the program that saved it (2: holdfast 0.1.0)"};
 
 // ---- what an agent that keeps lock remembers
 
@@ -99,7 +70,7 @@ void Window::save(const std::string& path, std::string_view note) const {
   out.put(newest_).put(note);
   out.put<std::uint64_t>(members_.size());
   for (const Member& member : members_) write(out, member);
-  atomic_write(path, sealed(out.bytes()));
+  atomic_write(path, io::sealed(kKind, out.bytes()));
 }
 
 void Window::write(io::ByteWriter& out, const Member& member) const {
@@ -143,7 +114,7 @@ Window::Member Window::read_member(io::ByteReader& in, const Graph& graph, const
 std::string Window::restore(const std::string& path) {
   const std::string file = io::read_file(path);
   try {
-    io::ByteReader in(unsealed(file));
+    io::ByteReader in(io::unsealed(kKind, file));
     Graph graph;
     Values values;
     io::read_binary(in, graph, values);

@@ -258,3 +258,29 @@ def test_summary_says_what_is_known_of_the_end():
     assert end.minimum == "left a saddle" and end.saddles_left == 1
     assert [f.kind for f in end.findings] == ["mirror image"]
     assert end.trace and not end.is_convex
+
+
+def test_a_saved_incremental_goes_on_with_the_same_bits(tmp_path):
+    def walk(smoother, k):
+        if k == 0:
+            smoother.insert("x0", hf.Pose2(0, 0, 0))
+            smoother.add(hf.Prior[hf.Pose2].from_sigmas(hf.Pose2(0, 0, 0), [0.1, 0.1, 0.02]), ["x0"])
+        else:
+            step = hf.Pose2(0.5, 0, 0.1)
+            smoother.insert(f"x{k}", smoother.at(f"x{k - 1}") * step)
+            smoother.add(hf.Between[hf.Pose2].from_sigmas(step, [0.1, 0.1, 0.02]), [f"x{k - 1}", f"x{k}"])
+            if k > 20:
+                smoother.add(hf.Between[hf.Pose2].from_sigmas(hf.Pose2(0.3, 0.2, 2), [0.1, 0.1, 0.02]), [f"x{k - 20}", f"x{k}"])
+        return smoother.update()
+
+    one, other = hf.Incremental(report=True), hf.Incremental()
+    for k in range(30):
+        assert len(walk(one, k).report) >= 1
+    one.save(str(tmp_path / "state"), b"step 30")
+    assert other.restore(str(tmp_path / "state")) == b"step 30"
+    for k in range(30, 50):
+        walk(one, k)
+        walk(other, k)
+    assert one.cost() == other.cost()
+    with pytest.raises(hf.BadFile):
+        other.restore(str(tmp_path / "nothing"))

@@ -235,6 +235,15 @@ TEST(Incremental, FixedVariablesStay) {
   EXPECT_THROW(smoother.covariance({x(0)}), BadKey);
 }
 
+TEST(Incremental, FinishOfConstantsAloneDoesNothing) {
+  Incremental smoother;
+  EXPECT_EQ(smoother.finish().termination, Termination::converged);
+  smoother.insert(x(0), Pose2(1, 0, 0));
+  smoother.fix(x(0));
+  smoother.add(Prior<Pose2>::from_sigmas(Pose2(0, 0, 0), Vector<3>(1, 1, 1)), {x(0)});
+  EXPECT_NEAR(smoother.finish().cost, 0.5, 1e-12);
+}
+
 TEST(Incremental, BadInputLeavesItAsItWas) {
   Incremental smoother;
   smoother.insert(x(0), Pose2(0, 0, 0));

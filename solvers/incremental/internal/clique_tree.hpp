@@ -9,6 +9,11 @@
 #include <Eigen/Core>
 #include <vector>
 
+namespace holdfast::io {
+class ByteReader;
+class ByteWriter;
+}  // namespace holdfast::io
+
 namespace holdfast::detail {
 
 class CliqueTree {
@@ -41,6 +46,15 @@ class CliqueTree {
   double work() const { return work_; }                         ///< multiply–add pairs of it
   /// Covariance of these variables together, from the factor: Σ_ab of all pairs, in their order, column-major. Cost: a solve a scalar.
   Eigen::MatrixXd covariance(const std::vector<int>& variables);
+
+  void write(io::ByteWriter& out) const;
+  /// What comes next has the same bits as of the tree that was written. Throws BadFile.
+  static CliqueTree read(io::ByteReader& in);
+
+  bool is_empty() const { return variables_.size() == free_variables_.size(); }
+  int variables() const { return static_cast<int>(variables_.size()); }  ///< numbers given out, also of those that are gone
+  int terms() const { return static_cast<int>(terms_.size()); }
+  int dim(int variable) const { return variables_[variable].dim; }
 
  private:
   struct Variable {
@@ -77,6 +91,7 @@ class CliqueTree {
   void take_back(const Columns& columns);
   std::vector<int> order_of(const std::vector<int>& variables, const std::vector<int>& orphans);
   int make_clique(const std::vector<int>& own, const std::vector<int>& separator, const std::vector<int>& children);
+  bool make_front(int number);
   void lay_out(Clique& clique);
   void assemble_own(Clique& clique);
   int weakest(Clique& clique);
@@ -88,6 +103,8 @@ class CliqueTree {
   void solve_down(double tolerance);
   void solve_clique(Clique& clique, std::vector<double>& x) const;
   int new_clique();
+  void require_sound();
+  void make_fronts();
 
   std::vector<Variable> variables_;
   std::vector<Term> terms_;
