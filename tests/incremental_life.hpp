@@ -1,5 +1,5 @@
 // An Incremental that lives through anything: variables and factors that come and go, variables that are marginalised, constants, bad
-// input, saves and restores. Beside it, the plain list of what it was told, solved as a batch from scratch: the factors are linear and their
+// input, saves and restores. Beside it, the plain list of what it was told, solved as a batch from scratch: the factors are linear with the
 // loss Squared, so a marginalised variable is still there in the batch, and all estimates and covariances agree.
 //
 // Source: below(n), 0 … n − 1; small(), a number of a few metres; empty(), no more steps. Wrong: called with what is wrong.

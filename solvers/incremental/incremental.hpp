@@ -125,7 +125,7 @@ class Incremental {
 
   // ---- a robot that loses power resumes where it was.
 
-  /// Graph, estimates, factorisation, what update() has not seen yet, and a note of yours, into a versioned, checksummed file, written whole
+  /// Graph, estimates, factorisation, what update() has not seen yet, and a note of yours, in a versioned, checksummed file, written whole
   /// or not at all. Throws BadFile, also where a factor cannot be written (a function).
   void save(const std::string& path, std::string_view note = {}) const;
   /// Takes the place of all there is; the options stay. Returns the note. What follows has the same bits as if nothing had happened, and
