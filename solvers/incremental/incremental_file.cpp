@@ -2,8 +2,7 @@
 #include <algorithm>
 #include <holdfast/graph/files/atomic.hpp>
 #include <holdfast/graph/files/binary.hpp>
-#include <holdfast/graph/files/internal/sealed.hpp>
-#include <holdfast/graph/files/internal/text.hpp>
+#include <holdfast/graph/files/detail/sealed.hpp>
 #include <holdfast/solvers/incremental/internal/incremental_state.hpp>
 
 namespace holdfast {
@@ -36,9 +35,9 @@ void Incremental::save(const std::string& path, std::string_view note) const {
 }
 
 std::string Incremental::restore(const std::string& path) {
-  const std::string file = io::read_file(path);
   try {
-    io::ByteReader in(io::unsealed(kKind, file));
+    const std::string payload = io::read_sealed(kKind, path);
+    io::ByteReader in(payload);
     Incremental read(options_);
     io::read_binary(in, read.graph_, read.start_);
     std::string note = read.read_state(in);

@@ -1,8 +1,7 @@
 #include <algorithm>
 #include <holdfast/graph/files/atomic.hpp>
 #include <holdfast/graph/files/binary.hpp>
-#include <holdfast/graph/files/internal/sealed.hpp>
-#include <holdfast/graph/files/internal/text.hpp>
+#include <holdfast/graph/files/detail/sealed.hpp>
 #include <holdfast/solvers/window/window.hpp>
 
 namespace holdfast {
@@ -112,9 +111,9 @@ Window::Member Window::read_member(io::ByteReader& in, const Graph& graph, const
 }
 
 std::string Window::restore(const std::string& path) {
-  const std::string file = io::read_file(path);
   try {
-    io::ByteReader in(io::unsealed(kKind, file));
+    const std::string payload = io::read_sealed(kKind, path);
+    io::ByteReader in(payload);
     Graph graph;
     Values values;
     io::read_binary(in, graph, values);

@@ -77,7 +77,6 @@ INTERNAL_FRIENDS = {
     ("benchmarks/suites/pose_graph.cpp", "solvers/linear/internal/symbolic.hpp"): "it prints the size of the factorisation",
     ("program/pyfg_lines.cpp", "graph/files/internal/parser.hpp"): "it reads a stream line by line as the reader reads a file",
     ("program/track.cpp", "graph/files/internal/text.hpp"): "numbers are read and written as in files",
-    ("solvers/window/file.cpp", "graph/files/internal/text.hpp"): "numbers are read and written as in files",
 }
 
 # Public headers that have no test named after them: where they are tested instead.

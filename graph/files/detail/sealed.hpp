@@ -16,7 +16,7 @@ struct FileKind {
 
 /// The file: magic, version, size of the payload, payload, and a checksum (FNV-1a, 64 bits) of all before.
 std::string sealed(const FileKind& kind, std::string_view payload);
-/// Its payload, a part of `file`. Throws BadFile saying what is wrong: another kind, another version, torn, changed.
-std::string_view unsealed(const FileKind& kind, std::string_view file);
+/// Its payload. Throws BadFile saying what is wrong: it cannot be read, is of another kind or version, torn, or changed.
+std::string read_sealed(const FileKind& kind, const std::string& path);
 
 }  // namespace holdfast::io

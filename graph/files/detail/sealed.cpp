@@ -1,6 +1,7 @@
 #include <holdfast/graph/error.hpp>
 #include <holdfast/graph/files/binary.hpp>
-#include <holdfast/graph/files/internal/sealed.hpp>
+#include <holdfast/graph/files/detail/sealed.hpp>
+#include <holdfast/graph/files/internal/text.hpp>
 
 namespace holdfast::io {
 namespace {
@@ -21,7 +22,9 @@ std::string sealed(const FileKind& kind, std::string_view payload) {
   return out.put(sum).bytes();
 }
 
-std::string_view unsealed(const FileKind& kind, std::string_view file) {
+std::string read_sealed(const FileKind& kind, const std::string& path) {
+  const std::string content = read_file(path);
+  const std::string_view file = content;
   const std::size_t head_size = kind.magic.size() + sizeof(std::uint32_t) + sizeof(std::uint64_t);
   if (file.substr(0, kind.magic.size()) != kind.magic) fail<BadFile>("it is no file of ", kind.what);
   ByteReader head(file.substr(kind.magic.size()));
@@ -34,7 +37,7 @@ std::string_view unsealed(const FileKind& kind, std::string_view file) {
   ByteReader tail(file.substr(head_size + size));
   if (tail.get<std::uint64_t>() != checksum(file.substr(0, head_size + size)))
     fail<BadFile>("its checksum is wrong: bytes of it have changed");
-  return file.substr(head_size, size);
+  return content.substr(head_size, size);
 }
 
 }  // namespace holdfast::io
