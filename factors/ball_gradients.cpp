@@ -48,7 +48,9 @@ bool enter() {
 }  // namespace
 
 bool detail::enter_ball_gradients() {
-  return enter<RangeBall, Point2>() && enter<RangeBall, Point3>() && enter<MissingDistance, Point2>() && enter<MissingDistance, Point3>();
+  static const bool entered =
+      enter<RangeBall, Point2>() && enter<RangeBall, Point3>() && enter<MissingDistance, Point2>() && enter<MissingDistance, Point3>();
+  return entered;
 }
 
 }  // namespace holdfast

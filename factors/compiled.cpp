@@ -4,11 +4,10 @@
 #include <holdfast/factors/huber_measurement.hpp>
 #include <holdfast/factors/position_step.hpp>
 #include <holdfast/factors/prior.hpp>
-#include <holdfast/factors/range.hpp>
-#include <holdfast/factors/range_ball.hpp>
 #include <holdfast/factors/relative_point.hpp>
 #include <holdfast/factors/von_mises_bearing.hpp>
 #include <holdfast/factors/white_acceleration.hpp>
+#include <holdfast/graph/graph.hpp>
 
 namespace holdfast {
 namespace {
@@ -28,13 +27,6 @@ template class Batch<Prior<Pose3>>;
 template class Batch<Prior<Motion2>>;
 template class Batch<Prior<Motion3>>;
 template class Batch<Prior<Accel3>>;
-template class Batch<Range<Point2, Point2>>;
-template class Batch<Range<Pose2, Point2>>;
-template class Batch<Range<Pose3, Point3>>;
-template class Batch<RangeBall<Point2, Point2>>;
-template class Batch<RangeBall<Point3, Point3>>;
-template class Batch<RangeBall<Pose2, Point2>>;
-template class Batch<RangeBall<Pose3, Point3>>;
 template class Batch<RelativePoint<Pose2, Point2>>;
 template class Batch<RelativePoint<Pose3, Point3>>;
 template class Batch<VonMisesBearingBody<Pose2, Point2>>;

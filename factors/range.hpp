@@ -44,9 +44,13 @@ struct Range {
   }
 };
 
-// Compiled into the library (factors/compiled.cpp), not anew by whoever adds them to a graph.
+// Compiled into the library (factors/compiled_ranges.cpp), not anew by whoever adds them to a graph.
 extern template class Batch<Range<Point2, Point2>>;
 extern template class Batch<Range<Pose2, Point2>>;
+extern template class Batch<Range<Pose2, Pose2>>;
+extern template class Batch<Range<Pose3, Pose3>>;
+extern template class Batch<Range<Motion2, Point2>>;
+extern template class Batch<Range<Motion2, Motion2>>;
 extern template class Batch<Range<Pose3, Point3>>;
 
 }  // namespace holdfast

@@ -69,10 +69,14 @@ struct RangeBall {
   }
 };
 
-// Compiled into the library (factors/compiled.cpp), not anew by whoever adds them to a graph.
+// Compiled into the library (factors/compiled_ranges.cpp), not anew by whoever adds them to a graph.
 extern template class Batch<RangeBall<Point2, Point2>>;
 extern template class Batch<RangeBall<Point3, Point3>>;
 extern template class Batch<RangeBall<Pose2, Point2>>;
+extern template class Batch<RangeBall<Pose2, Pose2>>;
+extern template class Batch<RangeBall<Pose3, Pose3>>;
+extern template class Batch<RangeBall<Motion2, Point2>>;
+extern template class Batch<RangeBall<Motion2, Motion2>>;
 extern template class Batch<RangeBall<Pose3, Point3>>;
 
 }  // namespace holdfast

@@ -16,7 +16,14 @@ namespace holdfast {
 
 #define HOLDFAST_NOINLINE __attribute__((noinline))
 
+class Graph;
 struct BlockKernels;
+
+/// Names one factor of a graph for as long as it is in it.
+struct FactorId {
+  int number = -1;
+  unsigned generation = 0;
+};
 
 class FactorBatch {
  public:
@@ -185,6 +192,10 @@ class Batch final : public FactorBatch, public detail::PoseFacetOf<Batch<F>, F> 
     has_hessian_ = holdfast::has_hessian<F>;
     describe_variables(All());
   }
+
+  /// What Graph::add does with a factor, once its keys have their number. Not inline: for the usual factors it is in the library
+  /// (factors/compiled.cpp), so that those who add them need not compile it. Defined in graph.hpp.
+  static FactorId add_to(Graph& graph, const F& factor, const Key* keys, const Loss& loss, double weight);
 
   const std::vector<F>& factors() const { return factors_; }
   std::vector<F>& factors() { return factors_; }

@@ -35,6 +35,7 @@ struct FieldType {
   std::string name;
   std::string type;  ///< "double", "int32", "double[3x3]", "Pose2[4]" (its ambient coordinates), "{bias double, rate double}"
   std::size_t bytes;
+  bool in_doubles;  ///< all of it is doubles, one after the other
 };
 
 namespace detail {
@@ -69,6 +70,17 @@ inline constexpr bool is_number = std::is_arithmetic_v<T> && !std::is_same_v<T, 
 /// Its memory is its numbers.
 template <class T>
 inline constexpr bool is_plain = is_number<T> || std::is_enum_v<T> || IsFixedMatrix<T>::value || IsVariable<T>::value;
+
+/// All of it is doubles.
+template <class T>
+constexpr bool is_doubles() {
+  if constexpr (IsFixedMatrix<T>::value)
+    return std::is_same_v<typename T::Scalar, double>;
+  else if constexpr (ArrayOf<T>::size > 0)
+    return is_doubles<typename T::value_type>();
+  else
+    return std::is_same_v<T, double> || IsVariable<T>::value;
+}
 
 template <class F>
 std::string types_of_fields();
@@ -167,7 +179,8 @@ std::vector<FieldType> fields_of() {
   return std::apply(
       [](const auto&... f) {
         return std::vector<FieldType>{FieldType{f.name, field_type<typename std::decay_t<decltype(f)>::type>(),
-                                                field_bytes<typename std::decay_t<decltype(f)>::type>()}...};
+                                                field_bytes<typename std::decay_t<decltype(f)>::type>(),
+                                                is_doubles<typename std::decay_t<decltype(f)>::type>()}...};
       },
       F::fields());
 }

@@ -69,6 +69,12 @@ FactorId Graph::enter(FactorBatch& batch, const Key* keys, double weight, const 
   return {number, place.generation};
 }
 
+FactorBatch* Graph::find_batch(std::type_index factor_type, const Loss& loss) {
+  for (auto& batch : batches_)
+    if (batch->factor_type() == factor_type && batch->family().is_of_family(loss)) return batch.get();
+  return nullptr;
+}
+
 FactorBatch& Graph::add_batch(std::unique_ptr<FactorBatch> batch) {
   batches_.push_back(std::move(batch));
   return *batches_.back();
@@ -98,7 +104,11 @@ void Graph::set_numbers(const Numbers& numbers) {
 
 FactorId Graph::add(const LinearPrior& prior) {
   check_new([] { return std::string("LinearPrior"); }, prior.keys.data(), prior.keys.size(), Loss{}, prior.rows, 1.0);
-  validated(prior, prior.keys.data(), prior.keys.size());
+  try {
+    prior.validate();
+  } catch (const BadNumber& error) {
+    rethrow_named(LinearPrior::name(), prior.keys.data(), prior.keys.size(), error);
+  }
   auto it = std::find_if(batches_.begin(), batches_.end(),
                          [](const auto& b) { return b->factor_type() == typeid(LinearPrior) && b->size() == 0; });
   if (it == batches_.end()) it = batches_.insert(it, std::make_unique<LinearPriorBatch>());

@@ -15,12 +15,6 @@
 
 namespace holdfast {
 
-/// Names one factor of a graph for as long as it is in it.
-struct FactorId {
-  int number = -1;
-  unsigned generation = 0;
-};
-
 class Graph {
  public:
   Graph();
@@ -50,11 +44,7 @@ class Graph {
   /// weight ≥ 0 scales the whole term.
   template <class F>
   FactorId add(const F& factor, const Keys<F>& keys, const Loss& loss, double weight) {
-    check_new(factor_name<F>, keys.data(), keys.size(), loss, F::residual_dim, weight);
-    if constexpr (detail::HasValidate<F>::value) validated(factor, keys.data(), keys.size());
-    Batch<F>& batch = batch_for<F>(loss);
-    batch.factors_.push_back(factor);
-    return enter(batch, keys.data(), weight, loss);
+    return Batch<F>::add_to(*this, factor, keys.data(), loss, weight);
   }
   /// The factor of run-time size (graph/linear_prior.hpp). Throws BadNumber, BadKey.
   FactorId add(const LinearPrior& prior);
@@ -142,22 +132,11 @@ class Graph {
   FactorId enter(FactorBatch& batch, const Key* keys, double weight, const Loss& loss);
 
  private:
-  template <class F>
-  Batch<F>& batch_for(const Loss& loss) {
-    (void)detail::factor_type_is_entered<F>;
-    for (auto& batch : batches_)
-      if (batch->factor_type() == typeid(F) && batch->family().is_of_family(loss)) return static_cast<Batch<F>&>(*batch);
-    batches_.push_back(std::make_unique<Batch<F>>(loss));
-    return static_cast<Batch<F>&>(*batches_.back());
-  }
-  template <class F>
-  void validated(const F& factor, const Key* keys, std::size_t count) const {
-    try {
-      factor.validate();
-    } catch (const BadNumber& error) {
-      rethrow_named(factor_name<F>(), keys, count, error);
-    }
-  }
+  template <class>
+  friend class Batch;
+
+  /// The batch of factors of this type under losses of this family; null where there is none.
+  FactorBatch* find_batch(std::type_index factor_type, const Loss& loss);
   void check_new(std::string (*name)(), const Key* keys, std::size_t count, const Loss& loss, int residual_dim, double weight) const;
   [[noreturn]] void rethrow_named(const std::string& name, const Key* keys, std::size_t count, const BadNumber& error) const;
   void validate_loss(const FactorBatch& batch, const Loss& loss) const;
@@ -171,5 +150,22 @@ class Graph {
   std::unordered_set<Key> fixed_;
   std::uint64_t structure_;
 };
+
+template <class F>
+FactorId Batch<F>::add_to(Graph& graph, const F& factor, const Key* keys, const Loss& loss, double weight) {
+  (void)detail::factor_type_is_entered<F>;
+  graph.check_new(factor_name<F>, keys, K, loss, M, weight);
+  if constexpr (detail::HasValidate<F>::value) {
+    try {
+      factor.validate();
+    } catch (const BadNumber& error) {
+      graph.rethrow_named(factor_name<F>(), keys, K, error);
+    }
+  }
+  FactorBatch* batch = graph.find_batch(typeid(F), loss);
+  if (batch == nullptr) batch = &graph.add_batch(std::make_unique<Batch>(loss));
+  static_cast<Batch*>(batch)->factors_.push_back(factor);
+  return graph.enter(*batch, keys, weight, loss);
+}
 
 }  // namespace holdfast

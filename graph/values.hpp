@@ -120,11 +120,7 @@ class Pool final : public PoolBase {
   }
 
   /// An empty pool: what is known of the type V, for those who meet its variables without knowing it.
-  static const PoolBase& prototype() {
-    (void)entered_;
-    static const Pool pool;
-    return pool;
-  }
+  static const PoolBase& prototype();
 
   std::vector<V>& values() { return values_; }
   const std::vector<V>& values() const { return values_; }
@@ -147,7 +143,25 @@ const PoolBase* find_variable_type(std::string_view name);
 bool enter_variable_type(const PoolBase& prototype);
 
 template <class V>
+const PoolBase& Pool<V>::prototype() {
+  (void)entered_;
+  static const Pool pool;
+  return pool;
+}
+template <class V>
 const bool Pool<V>::entered_ = enter_variable_type(Pool<V>::prototype());
+
+// Compiled into the library (graph/pools.cpp), not anew by whoever inserts such variables.
+extern template class Pool<Point2>;
+extern template class Pool<Point3>;
+extern template class Pool<Pose2>;
+extern template class Pool<Pose3>;
+extern template class Pool<Motion2>;
+extern template class Pool<Motion3>;
+extern template class Pool<Accel2>;
+extern template class Pool<Accel3>;
+extern template class Pool<Turning2>;
+extern template class Pool<Scalar>;
 
 /// A type of another library that Values takes and gives in place of one of ours. An adapter specialises it with
 ///   using type = Pose2;  static Pose2 ours(const T&);  static T theirs(const Pose2&);
@@ -176,15 +190,10 @@ class Values {
   /// Throws BadKey where the key is there already.
   template <class V>
   void insert(Key key, const V& value) {
-    if constexpr (detail::IsForeign<V>::value) {
+    if constexpr (detail::IsForeign<V>::value)
       insert(key, StandsFor<V>::ours(value));
-    } else {
-      require_new(key);
-      const int pool = pool_of(Pool<V>::prototype());
-      claim(key, pool);
-      static_cast<Pool<V>&>(*pools_[pool]).values_.push_back(value);
-      pools_[pool]->keys_.push_back(key);
-    }
+    else
+      insert_ambient(key, Pool<V>::prototype(), reinterpret_cast<const double*>(&value));
   }
   /// Throws BadKey where the key is missing, BadType where it holds another type.
   template <class V>

@@ -1,7 +1,8 @@
 // One term w ½ρ of a cost without its types: what the adapters hand to foreign graphs.
 //
-//   Term(factor)                    // the factor's own default loss and weight
+//   Term(factor)                          // the factor's own default loss and weight
 //   Term(factor, loss, weight)
+//   Term(factor, keys, loss, weight)      // of a host with keys of its own: messages name these, else x0, x1, …
 //
 // It evaluates the factor on ambient coordinates (a variable's own memory), the Jacobian with respect to our tangent.
 #pragma once
@@ -14,9 +15,14 @@ class Term {
  public:
   /// Throws BadNumber or BadOption where Graph::add would.
   template <class F, class = typename F::Variables>
-  explicit Term(const F& factor) : Term(alone(factor), static_cast<F*>(nullptr)) {}
+  explicit Term(const F& factor) : Term(factor, numbered<F>()) {}
   template <class F, class = typename F::Variables>
-  Term(const F& factor, const Loss& loss, double weight = 1) : Term(alone(factor, loss, weight), static_cast<F*>(nullptr)) {}
+  Term(const F& factor, const Loss& loss, double weight = 1) : Term(factor, numbered<F>(), loss, weight) {}
+  template <class F, class = typename F::Variables>
+  Term(const F& factor, const Graph::Keys<F>& keys) : Term(alone(factor, keys), static_cast<F*>(nullptr)) {}
+  template <class F, class = typename F::Variables>
+  Term(const F& factor, const Graph::Keys<F>& keys, const Loss& loss, double weight = 1)
+      : Term(alone(factor, keys, loss, weight), static_cast<F*>(nullptr)) {}
   /// Factor `index` of a batch that outlives the term.
   Term(const FactorBatch& batch, int index) : batch_(std::shared_ptr<const FactorBatch>(), &batch), index_(index) {}
 
@@ -33,9 +39,12 @@ class Term {
   /// The factor with its loss and weight in a graph of ours, under these keys. BadOption where the type of the factor is not known any more
   /// (it came by its batch).
   void add_to(Graph& graph, const std::vector<Key>& keys) const {
-    if (!add_) fail<BadOption>(batch_->describe(index_), " went without its type and cannot come back; keep the graph it came from");
+    if (!add_) require_type();
     add_(*batch_, graph, keys);
   }
+  /// The same factor under the same loss and weight: doubles within the tolerance, everything else to the bit. A factor of a type without
+  /// fields() (graph/fields.hpp), or of functions, is the same as itself and its copies alone.
+  bool equals(const Term& other, double tolerance) const;
   /// w ½ρ of a residual; weights (unless null): w ρ' of each component.
   double cost(const double* r, double* weights) const { return batch_->cost_of(index_, r, weights); }
 
@@ -44,9 +53,9 @@ class Term {
   Term(std::shared_ptr<const Graph> graph, F*) : batch_(graph, graph->batches().front().get()), index_(0), add_(add_again<F>) {}
 
   template <class F, class... LossAndWeight>
-  static std::shared_ptr<const Graph> alone(const F& factor, const LossAndWeight&... more) {
+  static std::shared_ptr<const Graph> alone(const F& factor, const Graph::Keys<F>& keys, const LossAndWeight&... more) {
     auto graph = std::make_shared<Graph>();
-    graph->add(factor, numbered<F>(), more...);
+    graph->add(factor, keys, more...);
     return graph;
   }
   template <class F>
@@ -55,7 +64,8 @@ class Term {
     std::copy_n(keys.begin(), all.size(), all.begin());
     graph.add(static_cast<const Batch<F>&>(batch).factors().front(), all, batch.loss(0), batch.weight(0));
   }
-  /// The host has its own names; ours count the variables of the factor: x0, x1, …
+  [[noreturn]] void require_type() const;
+  /// For a host without keys: the variables of the factor are x0, x1, …
   template <class F>
   static Graph::Keys<F> numbered() {
     std::array<Key, F::Variables::size> keys;

@@ -1,5 +1,5 @@
-// Our factors in a user's gtsam::NonlinearFactorGraph. Header-only; link holdfast::gtsam. GTSAM 4.2 and later. Variables:
-// gtsam_variable.hpp; whole graphs, both ways: gtsam_graph.hpp.
+// Our factors in a user's gtsam::NonlinearFactorGraph. Link holdfast::gtsam. GTSAM 4.2 and later. Variables: variable.hpp; whole graphs,
+// both ways: graph.hpp.
 //
 //   graph.push_back(gtsam_factor(Range<Pose2, Point2>{12.3, 0.5}, {X(3), L(0)}, Cauchy{2}));
 //
@@ -7,13 +7,10 @@
 // its gradient at 0 is that of the error. (gtsam::noiseModel::Robust takes the norm for the cost even when it re-weights by rows.)
 #pragma once
 
-#include <gtsam/linear/JacobianFactor.h>
-#include <gtsam/linear/VectorValues.h>
 #include <gtsam/nonlinear/NonlinearFactor.h>
 #include <gtsam/nonlinear/NonlinearFactorGraph.h>
 
 #include <holdfast/adapters/gtsam/variable.hpp>
-#include <iostream>
 
 namespace holdfast {
 
@@ -28,8 +25,7 @@ class GtsamFactor : public gtsam::NonlinearFactor {
   };
 
   /// One key for each variable that is no constant, in the order of the term; constants in that order, too.
-  GtsamFactor(detail::HostTerm<detail::GtsamSlot> term, const gtsam::KeyVector& keys, std::vector<Constant> constants = {})
-      : gtsam::NonlinearFactor(keys), term_(std::move(term)), constants_(std::move(constants)) {}
+  GtsamFactor(detail::HostTerm<detail::GtsamSlot> term, const gtsam::KeyVector& keys, std::vector<Constant> constants = {});
 
   const Term& term() const { return term_.term; }
   const std::vector<Constant>& constants() const { return constants_; }
@@ -46,48 +42,18 @@ class GtsamFactor : public gtsam::NonlinearFactor {
   }
 
   using gtsam::NonlinearFactor::error;
-  double error(const gtsam::Values& values) const override {
-    std::vector<double> x;
-    Eigen::VectorXd r(term().residual_dim());
-    evaluate(values, x, r.data(), nullptr);
-    return term().cost(r.data(), nullptr);
-  }
+  double error(const gtsam::Values& values) const override;
   size_t dim() const override { return static_cast<size_t>(term().residual_dim()); }
+  gtsam::GaussianFactor::shared_ptr linearize(const gtsam::Values& values) const override;
 
-  gtsam::GaussianFactor::shared_ptr linearize(const gtsam::Values& values) const override {
-    const int m = term().residual_dim();
-    std::vector<double> x;
-    Eigen::VectorXd r(m), weights(m);
-    Eigen::MatrixXd J(m, term().total_dim());
-    evaluate(values, x, r.data(), J.data());
-    term().cost(r.data(), weights.data());
-    weights = weights.cwiseSqrt();
-    std::vector<gtsam::Matrix> all(term_.slots.size());
-    term_.each_block(x, J, [&](std::size_t k, const auto& block) { all[k] = weights.asDiagonal() * block; });
-    std::vector<std::pair<gtsam::Key, gtsam::Matrix>> blocks;
-    each_variable([&](std::size_t k, gtsam::Key key) { blocks.emplace_back(key, std::move(all[k])); }, [](std::size_t, const Constant&) {});
-    return gtsam::GaussianFactor::shared_ptr(new gtsam::JacobianFactor(blocks, gtsam::Vector(-weights.cwiseProduct(r))));
-  }
-
-  gtsam::NonlinearFactor::shared_ptr clone() const override { return gtsam::NonlinearFactor::shared_ptr(new GtsamFactor(*this)); }
-  void print(const std::string& text = "", const gtsam::KeyFormatter& formatter = gtsam::DefaultKeyFormatter) const override {
-    std::cout << text << term().batch().name() << " under " << term().loss().str();
-    for (const gtsam::Key key : keys()) std::cout << ' ' << formatter(key);
-    std::cout << '\n';
-  }
+  /// The same keys, measurement, noise, loss, weight and constants: doubles within the tolerance. A factor of a type without fields()
+  /// (graph/fields.hpp) is equal to itself and its clones alone.
+  bool equals(const gtsam::NonlinearFactor& other, double tolerance = 1e-9) const override;
+  gtsam::NonlinearFactor::shared_ptr clone() const override;
+  void print(const std::string& text = "", const gtsam::KeyFormatter& formatter = gtsam::DefaultKeyFormatter) const override;
 
  private:
-  void evaluate(const gtsam::Values& values, std::vector<double>& x, double* r, double* J) const {
-    auto key = begin();
-    auto constant = constants_.begin();
-    const auto read = [&](std::size_t k, double* memory) {
-      if (constant != constants_.end() && constant->variable == k)
-        std::copy(constant->x.begin(), constant->x.end(), memory), ++constant;
-      else
-        term_.slots[k]->read(values, *key++, memory);
-    };
-    term_.evaluate(read, x, r, J);
-  }
+  void evaluate(const gtsam::Values& values, std::vector<double>& x, double* r, double* J) const;
 
   detail::HostTerm<detail::GtsamSlot> term_;
   std::vector<Constant> constants_;
@@ -95,40 +61,30 @@ class GtsamFactor : public gtsam::NonlinearFactor {
 
 namespace detail {
 /// The term of a graph of ours on these keys; fixed variables are constants, at `values`. Null where it has no other.
-inline gtsam::NonlinearFactor::shared_ptr gtsam_factor(const Term& term, const Key* keys, const Graph& graph, const Values& values) {
-  HostTerm<GtsamSlot> in_host = host_term<GtsamSlot, GtsamSlotOf>(term);
-  gtsam::KeyVector free;
-  std::vector<GtsamFactor::Constant> constants;
-  for (std::size_t k = 0; k < in_host.slots.size(); ++k) {
-    if (!graph.is_fixed(keys[k])) {
-      free.push_back(gtsam_key(keys[k]));
-      continue;
-    }
-    const Values::Slot& slot = values.slot(keys[k]);
-    const double* x = values.pool(slot.pool).data(slot.index);
-    constants.push_back({k, keys[k], {x, x + in_host.slots[k]->ambient}});
-  }
-  if (free.empty()) return {};
-  return gtsam::NonlinearFactor::shared_ptr(new GtsamFactor(std::move(in_host), free, std::move(constants)));
-}
+gtsam::NonlinearFactor::shared_ptr gtsam_factor(const Term& term, const Key* keys, const Graph& graph, const Values& values);
+gtsam::NonlinearFactor::shared_ptr gtsam_factor(Term term, std::vector<const GtsamSlot*> slots, const gtsam::KeyVector& keys);
 
-template <class F>
-gtsam::NonlinearFactor::shared_ptr gtsam_factor(const Term& term, const gtsam::KeyVector& keys) {
-  constexpr int arity = F::Variables::size;
-  if (keys.size() != arity) fail<BadKey>(factor_name<F>(), " ties ", arity, " variables, not ", keys.size(), "; give one key for each");
-  return gtsam::NonlinearFactor::shared_ptr(
-      new GtsamFactor(host_term<GtsamSlot, GtsamSlotOf, F>(term, std::make_index_sequence<arity>{}), keys));
+/// `count` keys of ours. Throws BadKey where there are others than the factor has variables.
+void read_keys(std::string (*name)(), const gtsam::KeyVector& keys, std::size_t count, Key* ours);
+
+template <class F, std::size_t... I, class... LossAndWeight>
+gtsam::NonlinearFactor::shared_ptr gtsam_factor(const F& factor, const gtsam::KeyVector& keys, std::index_sequence<I...>,
+                                                const LossAndWeight&... more) {
+  std::array<Key, sizeof...(I)> ours;
+  read_keys(factor_name<F>, keys, ours.size(), ours.data());
+  return gtsam_factor(Term(factor, ours, more...), {the_slot<GtsamSlotOf<typename F::Variables::template type<I>>>()...}, keys);
 }
 }  // namespace detail
 
-/// With the factor's own default loss and weight, or with those given.
+/// With the factor's own default loss and weight, or with those given. Throws BadKey, BadNumber and BadOption where Graph::add would, and
+/// names the factor by these keys.
 template <class F>
 gtsam::NonlinearFactor::shared_ptr gtsam_factor(const F& factor, const gtsam::KeyVector& keys) {
-  return detail::gtsam_factor<F>(Term(factor), keys);
+  return detail::gtsam_factor(factor, keys, std::make_index_sequence<F::Variables::size>{});
 }
 template <class F>
 gtsam::NonlinearFactor::shared_ptr gtsam_factor(const F& factor, const gtsam::KeyVector& keys, const Loss& loss, double weight = 1) {
-  return detail::gtsam_factor<F>(Term(factor, loss, weight), keys);
+  return detail::gtsam_factor(factor, keys, std::make_index_sequence<F::Variables::size>{}, loss, weight);
 }
 
 }  // namespace holdfast

@@ -118,40 +118,28 @@ class GtsamSlotOf final : public HostSlotOf<GtsamSlot, GtsamVariable<V>, V> {
   void insert(Values& values, Key key, const double* x) const override { values.insert(key, from_ambient<V>(x)); }
 };
 
-inline const GtsamSlot* gtsam_slot(const PoolBase& pool) { return slot_of<GtsamSlot, GtsamSlotOf>(pool.type(), pool.type_name()); }
+/// The slot of a type of variables.hpp; BadType names any other.
+const GtsamSlot* gtsam_slot(const PoolBase& pool);
+HostTerm<GtsamSlot> gtsam_term(const Term& term);
+
+// Compiled into the library (adapters/gtsam/variable.cpp).
+extern template class GtsamSlotOf<Pose2>;
+extern template class GtsamSlotOf<Pose3>;
+extern template class GtsamSlotOf<Point2>;
+extern template class GtsamSlotOf<Point3>;
+extern template class GtsamSlotOf<Scalar>;
+extern template class GtsamSlotOf<Motion2>;
+extern template class GtsamSlotOf<Motion3>;
+extern template class GtsamSlotOf<Accel2>;
+extern template class GtsamSlotOf<Accel3>;
+extern template class GtsamSlotOf<Turning2>;
 }  // namespace detail
 
-inline gtsam::Values to_gtsam(const Values& values) {
-  gtsam::Values theirs;
-  for (const auto& pool : values.pools())
-    for (int i = 0; i < pool->size(); ++i)
-      detail::gtsam_slot(*pool)->insert(theirs, gtsam_key(pool->keys()[i]), std::as_const(*pool).data(i));
-  return theirs;
-}
+gtsam::Values to_gtsam(const Values& values);
 /// GTSAM's values of the keys that `values` holds, into them.
-inline void write_back(const gtsam::Values& theirs, Values& values) {
-  for (const auto& pool : values.pools())
-    for (int i = 0; i < pool->size(); ++i) detail::gtsam_slot(*pool)->read(theirs, gtsam_key(pool->keys()[i]), pool->data(i));
-}
+void write_back(const gtsam::Values& theirs, Values& values);
 /// Poses, points and numbers, and Vector4 as Motion2, Vector5 as Turning2, Vector9 as Accel3. BadType names anything else: a Vector6 could
 /// be two things of ours.
-inline Values from_gtsam(const gtsam::Values& theirs) {
-  using namespace detail;
-  const GtsamSlot* const known[] = {the_slot<GtsamSlotOf<Pose2>>(),    the_slot<GtsamSlotOf<Pose3>>(),  the_slot<GtsamSlotOf<Point2>>(),
-                                    the_slot<GtsamSlotOf<Point3>>(),   the_slot<GtsamSlotOf<Scalar>>(), the_slot<GtsamSlotOf<Motion2>>(),
-                                    the_slot<GtsamSlotOf<Turning2>>(), the_slot<GtsamSlotOf<Accel3>>()};
-  Values ours;
-  for (const gtsam::Key key : theirs.keys()) {
-    const gtsam::Value& value = theirs.at(key);
-    const auto slot = std::find_if(std::begin(known), std::end(known), [&](const GtsamSlot* one) { return one->holds(value); });
-    if (slot == std::end(known))
-      fail<BadType>("key ", holdfast_key(key), " holds ", demangled(typeid(value)),
-                    ", which is no one type of ours; insert it by hand, and use write_back");
-    std::vector<double> x((*slot)->ambient);
-    (*slot)->read(theirs, key, x.data());
-    (*slot)->insert(ours, holdfast_key(key), x.data());
-  }
-  return ours;
-}
+Values from_gtsam(const gtsam::Values& theirs);
 
 }  // namespace holdfast

@@ -32,13 +32,13 @@ class Reader {
       fail<BadFile>(path_, ": it has actions in the plane and in space; keep one kind");
     for (entry_ = 0; entry_ < log.size(); ++entry_) {
       switch (log.getType(entry_)) {
-        case CRawlog::etActionCollection:
+        case CRawlog::TEntryType::etActionCollection:
           for (const auto& action : *log.getAsAction(entry_)) take(*action);
           break;
-        case CRawlog::etSensoryFrame:
+        case CRawlog::TEntryType::etSensoryFrame:
           for (const auto& observation : *log.getAsObservations(entry_)) take(*observation);
           break;
-        case CRawlog::etObservation:
+        case CRawlog::TEntryType::etObservation:
           take(*log.getAsObservation(entry_));
           break;
         default:
@@ -54,7 +54,7 @@ class Reader {
   template <class Action>
   static bool has_action(const CRawlog& log) {
     for (std::size_t i = 0; i < log.size(); ++i)
-      if (log.getType(i) == CRawlog::etActionCollection)
+      if (log.getType(i) == CRawlog::TEntryType::etActionCollection)
         for (const auto& action : *log.getAsAction(i))
           if (dynamic_cast<const Action*>(action.get()) != nullptr) return true;
     return false;

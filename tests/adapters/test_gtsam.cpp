@@ -4,6 +4,8 @@
 #include <gtsam/inference/LabeledSymbol.h>
 #include <gtsam/inference/Symbol.h>
 #include <gtsam/nonlinear/ISAM2.h>
+#include <gtsam/nonlinear/PriorFactor.h>
+#include <gtsam/slam/BetweenFactor.h>
 
 #include <holdfast/adapters/files/problem.hpp>
 #include <holdfast/adapters/gtsam/backend.hpp>

@@ -1,4 +1,7 @@
 // Every factor × variable types × loss as a factor of GTSAM.
+#include <gtsam/linear/JacobianFactor.h>
+#include <gtsam/linear/VectorValues.h>
+
 #include <holdfast/adapters/gtsam/gtsam.hpp>
 
 #include "tests/adapters/hosts.hpp"
@@ -6,11 +9,8 @@
 namespace holdfast::testing {
 namespace {
 
-using holdfast::detail::GtsamSlot;
-using holdfast::detail::GtsamSlotOf;
-
 HostEvaluator in_gtsam(const Draw& draw, const Loss& loss, double weight) {
-  const auto term = holdfast::detail::host_term<GtsamSlot, GtsamSlotOf>(draw.term(loss, weight));
+  const auto term = holdfast::detail::gtsam_term(draw.term(loss, weight));
   gtsam::KeyVector keys;
   for (const Key key : draw.keys) keys.push_back(gtsam_key(key));
   const auto factor = std::make_shared<GtsamFactor>(term, keys);

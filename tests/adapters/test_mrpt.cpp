@@ -203,9 +203,11 @@ TEST(MrptNetwork, InverseEdgesMeasureTheOtherWayRound) {
 }
 
 TEST(MrptNetwork, WritingBackKeepsAnnotations) {
-  using Annotated = CNetworkOfPoses<CPosePDFGaussianInf, mrpt::containers::map_traits_stdmap, mrpt::graphs::detail::TMRSlamNodeAnnotations>;
-  Annotated network;
-  for (const TNodeID id : {0, 1}) network.nodes[id].agent_ID_str = "robot " + std::to_string(id);
+  struct Named : mrpt::graphs::detail::TNodeAnnotationsEmpty {
+    std::string robot;
+  };
+  CNetworkOfPoses<CPosePDFGaussianInf, mrpt::containers::map_traits_stdmap, Named> network;
+  for (const TNodeID id : {0, 1}) network.nodes[id].robot = "robot " + std::to_string(id);
   CPosePDFGaussianInf edge;
   edge.mean = CPose2D(1, 0, 0.1);
   edge.cov_inv.setIdentity();
@@ -214,7 +216,7 @@ TEST(MrptNetwork, WritingBackKeepsAnnotations) {
   ASSERT_TRUE(make_backend("irls")->solve(problem.graph, problem.start).usable());
   write_back(problem.start, network);
   EXPECT_NEAR(network.nodes[1].x(), 1, 1e-9);
-  EXPECT_EQ(network.nodes[1].agent_ID_str, "robot 1");
+  EXPECT_EQ(network.nodes[1].robot, "robot 1");
 }
 
 template <class Fn>

@@ -1,7 +1,13 @@
 // Our optimizer inside MRPT's graph-slam engine, without a window, beside MRPT's own.
-// clang-format off: CLevMarqGSO.h uses two headers that it does not include
+// clang-format off: CLevMarqGSO.h uses headers that it does not include
+#if __has_include(<mrpt/opengl/CDisk.h>)  // MRPT 2
 #include <mrpt/opengl/CDisk.h>
 #include <mrpt/opengl/CSphere.h>
+#else
+#include <mrpt/viz/CDisk.h>
+#include <mrpt/viz/CGridPlaneXY.h>
+#include <mrpt/viz/CSphere.h>
+#endif
 // clang-format on
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
