@@ -90,7 +90,7 @@ void Runner::repeat(std::vector<Run*>& runs, const Instance& instance) {
 
 // Beside the results, not in them: they are large, and say nothing that a table shows.
 void Runner::write_drawing(const Run& run, const Instance& instance, const Values& answer) const {
-  constexpr std::size_t kMost = 1000;
+  constexpr std::size_t kMost = 4000;
   namespace fs = std::filesystem;
   const Task& task = run.task;
   Json json = to_json(drawing_of(instance.graph, instance.truth, answer, kMost));

@@ -3,6 +3,7 @@
 #include <holdfast/adapters/files/vertex_value.hpp>
 #include <holdfast/common/drawing.hpp>
 #include <holdfast/common/metrics.hpp>
+#include <holdfast/common/position_covariance.hpp>
 #include <holdfast/solvers/outlier_report.hpp>
 #include <map>
 #include <optional>
@@ -43,7 +44,34 @@ bool is_step(const std::vector<Key>& keys) {
   return a + 1 == b || b + 1 == a;
 }
 
+bool is_landmark(const Values& values, Key key) { return std::string(type_name(values, key)).rfind("Point", 0) == 0; }
+
+/// Of every landmark, and of some 25 states of each way: more would hide it.
+void add_ellipses(const Graph& graph, const Values& answer, const std::map<std::pair<Agent, bool>, std::vector<Key>>& groups,
+                  const std::optional<Eigen::MatrixXd>& T, Drawing& drawing) {
+  constexpr std::size_t kOfAWay = 25, kLandmarks = 200;
+  if (graph.size() == 0) return;
+  const Marginals marginals(graph, answer);
+  for (const auto& [group, keys] : groups)
+    for (const Key key : thinned(keys, group.second ? kOfAWay : kLandmarks)) {
+      std::optional<Eigen::MatrixXd> C = position_covariance(marginals, answer, key);
+      if (!C) continue;
+      const Eigen::Index space = C->rows();
+      if (T && T->rows() == space + 1) {
+        const Eigen::MatrixXd R = T->topLeftCorner(space, space);
+        C = (R * *C * R.transpose()).eval();
+      }
+      drawing.ellipses.push_back({*place_of(answer, key, T), (*C)(0, 0), (*C)(0, 1), (*C)(1, 1)});
+    }
+}
+
 double millimetres(double metres) { return std::round(1e3 * metres) / 1e3; }
+
+double four_digits(double number) {
+  if (number == 0 || !std::isfinite(number)) return number;
+  const double scale = std::pow(10, 3 - std::floor(std::log10(std::abs(number))));
+  return std::round(number * scale) / scale;
+}
 
 }  // namespace
 
@@ -52,11 +80,14 @@ Drawing drawing_of(const Graph& graph, const Values& truth, const Values& answer
   std::vector<Key> keys = answer.keys();
   std::sort(keys.begin(), keys.end());
   std::map<std::pair<Agent, bool>, Drawing::Track> tracks;
+  std::map<std::pair<Agent, bool>, std::vector<Key>> groups;
   for (const Key key : keys) {
     const std::optional<Drawing::Place> estimate = place_of(answer, key, T_truth_answer), known = place_of(truth, key);
     if (!estimate) continue;
-    const bool is_way = std::string(type_name(answer, key)).rfind("Point", 0) != 0;
-    Drawing::Track& track = tracks[{is_way ? key.agent() : Agent(key.kind()), is_way}];
+    const bool is_way = !is_landmark(answer, key);
+    const std::pair<Agent, bool> group(is_way ? key.agent() : Agent(key.kind()), is_way);
+    groups[group].push_back(key);
+    Drawing::Track& track = tracks[group];
     track.name = is_way ? key.agent().str() : std::string(1, key.kind());
     track.is_way = is_way;
     track.estimate.push_back(*estimate);
@@ -77,6 +108,7 @@ Drawing drawing_of(const Graph& graph, const Values& truth, const Values& answer
     if (is_rejected || !is_step(one.keys)) (is_rejected ? drawing.rejected : drawing.kept).push_back({*from, *to, one.factor});
   }
   drawing.kept = thinned(drawing.kept, most);
+  add_ellipses(graph, answer, groups, T_truth_answer, drawing);
   return drawing;
 }
 
@@ -86,12 +118,15 @@ Json to_json(const Drawing& drawing) {
     for (const Drawing::Place& p : all) list.push_back({millimetres(p[0]), millimetres(p[1])});
     return list;
   };
-  Json json{{"tracks", Json::array()}, {"rejected", Json::array()}};
+  Json json{{"tracks", Json::array()}, {"rejected", Json::array()}, {"ellipses", Json::array()}};
   for (const Drawing::Track& track : drawing.tracks)
     json["tracks"].push_back(
         {{"name", track.name}, {"is_way", track.is_way}, {"estimate", places(track.estimate)}, {"truth", places(track.truth)}});
   for (const Drawing::Line& line : drawing.rejected)
     json["rejected"].push_back({millimetres(line.from[0]), millimetres(line.from[1]), millimetres(line.to[0]), millimetres(line.to[1])});
+  for (const Drawing::Ellipse& one : drawing.ellipses)
+    json["ellipses"].push_back(
+        {millimetres(one.centre[0]), millimetres(one.centre[1]), four_digits(one.xx), four_digits(one.xy), four_digits(one.yy)});
   return json;
 }
 

@@ -1,3 +1,4 @@
+#include <Eigen/Core>
 #include <fstream>
 #include <holdfast/common/machine.hpp>
 #include <thread>
@@ -9,6 +10,17 @@
 
 namespace holdfast::common {
 
+namespace {
+
+constexpr const char* kCompiler =
+#ifdef __clang__
+    "clang " __clang_version__;
+#else
+    "gcc " __VERSION__;
+#endif
+
+}  // namespace
+
 nlohmann::ordered_json machine() {
   std::string cpu = "unknown";
   std::ifstream info("/proc/cpuinfo");
@@ -18,7 +30,13 @@ nlohmann::ordered_json machine() {
     cpu = line.substr(colon + 2);
     break;
   }
-  return {{"cpu", cpu}, {"cores", std::thread::hardware_concurrency()}};
+  const std::string eigen =
+      std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) + "." + std::to_string(EIGEN_MINOR_VERSION);
+  return {{"cpu", cpu},
+          {"cores", std::thread::hardware_concurrency()},
+          {"compiler", kCompiler},
+          {"holdfast", HOLDFAST_VERSION},
+          {"eigen", eigen}};
 }
 
 std::string commit() { return HOLDFAST_COMMIT; }

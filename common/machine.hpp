@@ -6,7 +6,7 @@
 
 namespace holdfast::common {
 
-/// {"cpu": "AMD EPYC …", "cores": 2}
+/// {"cpu": "AMD EPYC …", "cores": 2, "compiler": "gcc 12.2.0", "holdfast": "0.2.0", "eigen": "3.4.0"}
 nlohmann::ordered_json machine();
 
 /// The commit this program was built from, with "-dirty" where files were changed, or "unknown".

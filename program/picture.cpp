@@ -1,3 +1,4 @@
+#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -87,6 +88,22 @@ std::string marks(const std::vector<Drawing::Place>& places, const Frame& frame,
   return marks;
 }
 
+/// Three sigmas.
+std::string path_of(const Drawing::Ellipse& one, const Frame& frame) {
+  Eigen::Matrix2d covariance;
+  covariance << one.xx, one.xy, one.xy, one.yy;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(covariance);
+  std::string d;
+  constexpr int kCorners = 36;
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 2 * M_PI * i / kCorners;
+    const Eigen::Vector2d sigmas = 3 * axes.eigenvalues().cwiseMax(0).cwiseSqrt();
+    const Eigen::Vector2d p = axes.eigenvectors() * sigmas.cwiseProduct(Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+    d += (d.empty() ? "M" : "L") + frame.at({one.centre[0] + p[0], one.centre[1] + p[1]});
+  }
+  return d + "Z";
+}
+
 /// A length of 1, 2 or 5 times a power of ten that takes up to a quarter of the width.
 double scale_bar(const Frame& frame) {
   const double longest = 0.25 * kWidth / frame.scale(), power = std::pow(10, std::floor(std::log10(longest)));
@@ -123,6 +140,9 @@ std::vector<Layer> layers_of(const Drawing& drawing, const Frame& frame) {
   }
   add("truth", "truth", truth);
   add("estimate", "estimate", estimate);
+  std::string ellipses;
+  for (const Drawing::Ellipse& one : drawing.ellipses) ellipses += path_of(one, frame);
+  add("ellipses", "3σ", ellipses.empty() ? "" : "<path class=ellipse d='" + ellipses + "'/>");
   return layers;
 }
 
@@ -132,7 +152,8 @@ const char* const kStyle =
     "svg{width:100%;height:auto;max-height:85vh}label{margin-right:1.5rem;white-space:nowrap}path{fill:none;vector-effect:non-scaling-"
     "stroke}"
     ".kept{stroke:var(--ink);stroke-opacity:.08;stroke-width:1}.rejected{stroke:#d55e00;stroke-width:1.5;stroke-dasharray:6 3}"
-    ".way{stroke-width:2}.truth{stroke:var(--ink);stroke-width:1.2;stroke-dasharray:2 4}.bar{stroke:var(--ink);stroke-width:3}"
+    ".ellipse{stroke:var(--ink);stroke-width:1;fill:var(--ink);fill-opacity:.08}.way{stroke-width:2}.truth{stroke:var(--ink);stroke-width:"
+    "1.2;stroke-dasharray:2 4}.bar{stroke:var(--ink);stroke-width:3}"
     "text{fill:var(--ink);font-size:20px}";
 
 }  // namespace

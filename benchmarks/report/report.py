@@ -4,149 +4,20 @@
     scripts/report [bench-out [bench-out/index.html]]
 
 On top who wins by what factor at equal cost, then profiles, growth, a table for each suite with its answers from above (of the directory
-drawings/), cost against time and errors with their 3σ bands, and the papers. Nothing is fetched from any
-host: plotly's script is in the page. Of each file only the lines of its newest commit count. Needs plotly (scripts/report installs it into
-build/venv)."""
+drawings/), cost against time, errors with their 3σ bands, windows over time, and the papers. Nothing is fetched from any host: plotly's
+script is in the page. Of each file only the lines of its newest commit count; they are written as <suite>.csv beside the page, too. Needs
+plotly (scripts/report installs it into build/venv)."""
 import datetime
 import html
-import json
 import math
 import os
 import statistics
 import sys
 
-SAME_COST = 1e-6  # relative: two costs that are one (common/report.hpp, kSameCost)
-SHIFT = 0.01  # [s] of the shifted geometric mean: below it, differences hardly count
-COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8a6d3b", "#777777"]  # Okabe and Ito: for every eye
-DASHES = ["solid", "dash", "dot", "dashdot", "longdash", "longdashdot"]
-
-
-def read(folder):
-    """{suite: lines of its newest commit}, and the places of lines that are no JSON object."""
-    suites, torn = {}, []
-    for name in sorted(os.listdir(folder)):
-        if not name.endswith(".jsonl"):
-            continue
-        lines = []
-        with open(os.path.join(folder, name), encoding="utf-8") as file:
-            for number, text in enumerate(file, 1):
-                try:
-                    line = json.loads(text)
-                except json.JSONDecodeError:
-                    line = None
-                if isinstance(line, dict):
-                    lines.append(line)
-                else:
-                    torn.append(f"{name}:{number}")
-        if lines:
-            suites[name[:-len(".jsonl")]] = [line for line in lines if line.get("commit") == lines[-1].get("commit")]
-    return suites, torn
-
-
-def stem(file):
-    return os.path.splitext(os.path.basename(file))[0]
-
-
-def problems(suites):
-    """{(suite, problem, loss, start): {back-end: its last run}} of all suites that solve problems, one thread."""
-    found = {}
-    for suite, lines in suites.items():
-        for line in lines:
-            if "file" in line and "cost" in line and "backend" in line and line.get("threads", 1) == 1:
-                key = (suite, stem(line["file"]), line.get("loss", ""), line.get("start", ""))
-                found.setdefault(key, {})[line["backend"]] = line
-    return found
-
-
-def ended(run):
-    return run["termination"] != "failed" and run["cost"] is not None
-
-
-def excess(runs):
-    """{back-end: how far its cost lies above the best of the problem, relative}; infinite for a failure."""
-    costs = [run["cost"] for run in runs.values() if ended(run)]
-    best = min(costs) if costs else math.nan
-    return {name: (run["cost"] - best) / max(abs(best), 1e-300) if ended(run) else math.inf for name, run in runs.items()}
-
-
-def seconds_at_equal_cost(runs):
-    """{back-end: seconds}; infinite where it failed or ended above the best cost of the problem."""
-    above = excess(runs)
-    return {name: run["seconds"] if above[name] <= SAME_COST else math.inf for name, run in runs.items()}
-
-
-def shifted_geometric_mean(seconds, limit):
-    """exp mean log(s + shift) - shift; what did not arrive counts as the limit of time."""
-    return math.exp(statistics.fmean(math.log(min(s, limit) + SHIFT) for s in seconds)) - SHIFT
-
-
-def ranking(found):
-    """Over the problems that all of these back-ends ran: [(back-end, mean seconds, arrived, problems, wins)], the best first."""
-    names = {name for runs in found.values() for name in runs}
-    most = max((sum(name in runs for runs in found.values()) for name in names), default=0)
-    names = {name for name in names if 2 * sum(name in runs for runs in found.values()) >= most}
-    shared = [runs for runs in found.values() if names <= set(runs)]
-    rows = []
-    for name in names:
-        times = [seconds_at_equal_cost(runs) for runs in shared]
-        limit = max((run.get("time_limit") or 60.0 for runs in shared for run in runs.values()), default=60.0)
-        own = [time[name] for time in times]
-        wins = sum(math.isfinite(time[name]) and time[name] <= min(time[other] for other in names) for time in times)
-        rows.append((name, shifted_geometric_mean(own, limit) if own else math.nan, sum(map(math.isfinite, own)), len(own), wins))
-    return sorted(rows, key=lambda row: row[1])
-
-
-def steps_of_profile(ratios, count):
-    """The points (ratio, part of the problems within it) of Dolan and More's profile."""
-    finite = sorted(ratio for ratio in ratios if math.isfinite(ratio))
-    return finite, [(i + 1) / count for i in range(len(finite))]
-
-
-def profile(found, measure):
-    """{back-end: points}: measure(runs) gives {back-end: number >= 0}, the ratio is to the best of each problem."""
-    names = sorted({name for runs in found.values() for name in runs})
-    points = {}
-    for name in names:
-        of_name = [measure(runs) for runs in found.values() if name in runs]
-        ratios = []
-        for numbers in of_name:
-            best = min(numbers.values())
-            ratios.append(numbers[name] / best if math.isfinite(numbers[name]) and best > 0 else math.inf)
-        points[name] = steps_of_profile(ratios, len(of_name))
-    return points
-
-
-def number(value, form=".4g"):
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return "–"
-    return "∞" if math.isinf(value) else format(value, form)
-
-
-def table(titles, rows, caption):
-    cells = "".join(f"<th scope=col>{html.escape(title)}</th>" for title in titles)
-    body = "".join("<tr>" + "".join(f"<th scope=row>{html.escape(str(cell))}</th>" if i == 0 else f"<td>{html.escape(str(cell))}</td>"
-                                    for i, cell in enumerate(row)) + "</tr>" for row in rows)
-    return (f"<p>{html.escape(caption)}.</p><div class=wide role=region tabindex=0 aria-label='{html.escape(caption, quote=True)}'>"
-            f"<table><thead><tr>{cells}</tr></thead><tbody>{body}</tbody></table></div>")
-
-
-def figure(traces, title, x, y, x_log=True, y_log=False):
-    import plotly.graph_objects as go
-    drawn = go.Figure()
-    for i, (name, (xs, ys), mode, shape) in enumerate(traces):
-        line = {"color": COLOURS[i % len(COLOURS)], "dash": DASHES[i % len(DASHES)], "shape": shape}
-        drawn.add_trace(go.Scatter(x=xs, y=ys, name=name, mode=mode, line=line))
-    return shown(drawn, title, x, y, x_log, y_log)
-
-
-def shown(drawn, title, x, y, x_log=False, y_log=False):
-    drawn.update_layout(title=title, paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)", font={"color": "#808080", "size": 14},
-                        legend={"orientation": "h", "y": -0.25}, margin={"l": 60, "r": 10, "t": 50, "b": 60}, height=420)
-    grid = {"gridcolor": "rgba(128,128,128,0.3)", "zeroline": False}
-    drawn.update_xaxes(title=x, type="log" if x_log else "linear", **grid)
-    drawn.update_yaxes(title=y, type="log" if y_log else "linear", **grid)
-    picture = drawn.to_html(full_html=False, include_plotlyjs=False, config={"responsive": True, "displaylogo": False})
-    return f"<figure>{picture}</figure>"
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from figures import errors_over_time, figure, folded, from_above, number, steps_over_time, table  # noqa: E402
+from results import (SAME_COST, SHIFT, columns, drawings, ended, excess, problems, profile, ranking, read,  # noqa: E402
+                     seconds_at_equal_cost, stem, steps_of_profile, write_csv)
 
 
 def who_wins(found):
@@ -180,7 +51,7 @@ def profiles(found):
                      "Time at equal cost", "times the fastest", "part of the problems")
             + figure([(name, drawn_through(([1e-12 * x for x in xs], ys), 1e-12, 1e-12 * worst), "lines", "hv")
                       for name, (xs, ys) in cost.items()],
-                     "Final cost", "relative excess over the best (1e-12: none)", "part of the problems"))
+                     "Final cost", "excess over the best, relative", "part of the problems"))
 
 
 def growth(found):
@@ -229,54 +100,12 @@ def cost_over_time(found, suite):
     return folded(f"Suite {suite}: cost against time, {len(parts)} problems", parts)
 
 
-def folded(title, parts):
-    return f"<details><summary>{html.escape(title)}</summary>{''.join(parts)}</details>" if parts else ""
-
-
-def drawings(folder, suite):
-    """The drawings of a suite that bench left beside its results, of the newest commit among them."""
-    found = []
-    place = os.path.join(folder, "drawings")
-    for name in sorted(os.listdir(place)) if os.path.isdir(place) else []:
-        if name.endswith(".json"):
-            with open(os.path.join(place, name), encoding="utf-8") as file:
-                drawing = json.load(file)
-            if drawing["suite"] == suite:
-                found.append(drawing)
-    return found
-
-
-def from_above(drawing):
-    import plotly.graph_objects as go
-    drawn = go.Figure()
-    ends = [line[i] if i is not None else None for line in drawing["rejected"] for i in (0, 2, None)]
-    heights = [line[i] if i is not None else None for line in drawing["rejected"] for i in (1, 3, None)]
-    if ends:
-        drawn.add_trace(go.Scatter(x=ends, y=heights, name=f"outliers ({len(drawing['rejected'])})", mode="lines",
-                                   line={"color": COLOURS[1], "dash": "dot", "width": 1}))
-    for i, track in enumerate(drawing["tracks"]):
-        mode = "lines" if track["is_way"] else "markers"
-        colour = COLOURS[(0, 2, 3, 4, 5, 6)[i % 6]]
-        if track["truth"]:
-            drawn.add_trace(go.Scatter(x=[p[0] for p in track["truth"]], y=[p[1] for p in track["truth"]], name=f"{track['name']}, true",
-                                       mode=mode, line={"color": "#808080", "dash": "dot"}, marker={"color": "#808080", "symbol": "x"}))
-        drawn.add_trace(go.Scatter(x=[p[0] for p in track["estimate"]], y=[p[1] for p in track["estimate"]], name=track["name"], mode=mode,
-                                   line={"color": colour}, marker={"color": colour}))
-    drawn.update_yaxes(scaleanchor="x")
-    title = f"{stem(drawing['file'])}, {drawing['loss']}, start {drawing['start']}"
-    return shown(drawn, f"{title}: {drawing['backend']}, cost {number(drawing['cost'], '.6g')}", "x [m]", "y [m]")
-
-
-def errors_over_time(line):
-    import plotly.graph_objects as go
-    times, errors, bands = zip(*line["errors"])
-    drawn = go.Figure()
-    around = bands + tuple(-band for band in bands[::-1])
-    drawn.add_trace(go.Scatter(x=times + times[::-1], y=around, name="3σ", fill="toself", mode="lines",
-                               line={"color": COLOURS[5], "width": 1}, fillcolor="rgba(86,180,233,0.3)"))
-    drawn.add_trace(go.Scatter(x=times, y=errors, name="error", mode="lines", line={"color": COLOURS[1]}))
-    within = sum(abs(error) <= band for error, band in zip(errors, bands))
-    return shown(drawn, f"{line['window']}: {within} of {len(errors)} within 3σ", "seconds", "error of x [m]")
+def pictures(folder, suite):
+    parts = []
+    for drawing in drawings(folder, suite):
+        title = f"{stem(drawing['file'])}, {drawing['loss']}, start {drawing['start']}"
+        parts.append(from_above(drawing, f"{title}: {drawing['backend']}, cost {number(drawing['cost'], '.6g')}"))
+    return folded(f"Suite {suite}: the best answers from above, with ellipses of 3σ, {len(parts)} problems", parts)
 
 
 def robust(lines):
@@ -311,59 +140,106 @@ def paper(suite, lines):
 
 
 def plain(suite, lines):
-    titles = list(dict.fromkeys(key for line in lines for key, value in line.items()
-                                if isinstance(value, (int, float, str, bool)) and key not in ("suite", "commit")))
+    titles = [name for name in columns(lines) if name not in ("suite", "commit")]
     rows = [[number(line.get(key)) if isinstance(line.get(key), float) else line.get(key, "–") for key in titles] for line in lines]
     return table(titles, rows, f"Suite {suite}")
+
+
+def measured_with(lines):
+    """Machines, compilers, versions and options, each once."""
+    def each(texts):
+        return html.escape("; ".join(sorted(set(texts)))) or "unknown"
+    machines = [line["machine"] for line in lines if line.get("machine")]
+    options = (("threads", "threads"), ("tolerance", "tolerance"), ("max_iterations", "iterations at most"), ("time_limit", "limit [s]"))
+    return "".join(f"<dt>{name}</dt><dd>{each(texts)}</dd>" for name, texts in (
+        ("machine", [f"{one['cpu']}, {one['cores']} cores" for one in machines]),
+        ("compiler", [one["compiler"] for one in machines if "compiler" in one]),
+        ("versions", [f"holdfast {one['holdfast']}, Eigen {one['eigen']}" for one in machines if "holdfast" in one]),
+        ("commit", [str(line.get("commit")) for line in lines]),
+        ("options", [", ".join(f"{title} {number(line[key], 'g')}" for key, title in options if line.get(key) is not None)
+                     for line in lines if "tolerance" in line])))
 
 
 STYLE = """
 :root { color-scheme: light dark; --ink: #1b1b1b; --paper: #ffffff; --line: #c8c8c8; }
 @media (prefers-color-scheme: dark) { :root { --ink: #ececec; --paper: #161616; --line: #4a4a4a; } }
 body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--paper); max-width: 70rem; margin: auto; padding: 1rem; }
-.lead { font-size: 1.25rem; } .wide { overflow-x: auto; margin: 1rem 0; } figure { margin: 1rem 0; }
+.lead { font-size: 1.25rem; } .wide { overflow-x: auto; margin: 1rem 0; } figure { margin: 1rem 0; } figcaption { font-weight: bold; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { border-bottom: 1px solid var(--line); padding: .2rem .6rem; text-align: left; white-space: nowrap; }
-td { text-align: right; } summary { cursor: pointer; padding: .5rem 0; }
-@media print { body { max-width: none; } .wide { overflow: visible; } }
+td, thead th { text-align: right; } thead th:first-child { text-align: left; } summary { cursor: pointer; padding: .5rem 0; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: 0 1rem; } dd { margin: 0; overflow-wrap: anywhere; }
+.js-plotly-plot text { fill: var(--ink) !important; }
+@media print {
+  :root { --ink: #000000; --paper: #ffffff; --line: #999999; }
+  body { max-width: none; font-size: 11px; } .wide { overflow: visible; } button, .modebar { display: none; }
+  figure { break-inside: avoid; }
+}
 """
 
-# A figure that was hidden when it was drawn has no width before it is told to look again.
-OPENED = """for (const part of document.querySelectorAll('details'))
-  part.addEventListener('toggle', () => window.dispatchEvent(new Event('resize')));"""
+# A figure is drawn when it comes into view, and all before the page is printed, when nothing is folded; a table is saved as CSV.
+SCRIPT = """
+const draw = figure => {
+  const place = figure.querySelector('.plot');
+  if (place.dataset.drawn) return;
+  place.dataset.drawn = 'yes';
+  const {data, layout} = JSON.parse(figure.querySelector('script').textContent);
+  Plotly.newPlot(place, data, layout, {responsive: true, displaylogo: false});
+};
+const seen = new IntersectionObserver(entries => {
+  for (const entry of entries) if (entry.isIntersecting) { draw(entry.target); seen.unobserve(entry.target); }
+}, {rootMargin: '400px'});
+const figures = document.querySelectorAll('figure');
+figures.forEach(figure => seen.observe(figure));
+window.addEventListener('beforeprint', () => {
+  document.querySelectorAll('details').forEach(part => { part.open = true; });
+  figures.forEach(draw);
+});
+for (const button of document.querySelectorAll('button.csv'))
+  button.addEventListener('click', () => {
+    const rows = [...button.parentElement.nextElementSibling.querySelectorAll('tr')];
+    const quoted = cell => '"' + cell.textContent.replaceAll('"', '""') + '"';
+    const text = rows.map(row => [...row.cells].map(quoted).join(',') + '\\r\\n').join('');
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(new Blob([text], {type: 'text/csv'}));
+    link.download = 'holdfast.csv';
+    link.click();
+    URL.revokeObjectURL(link.href);
+  });
+"""
+
+
+def of_suite(folder, suite, lines, found):
+    """What the page says of one suite."""
+    if any(key[0] == suite for key in found):
+        return [solved(found, suite), pictures(folder, suite), cost_over_time(found, suite)]
+    if suite == "robust":
+        return [robust(lines)]
+    if suite.startswith("papers"):
+        return [paper(suite, lines)]
+    return ([plain(suite, lines)] + [errors_over_time(line) for line in lines if line.get("errors")]
+            + [steps_over_time(line) for line in lines if line.get("over_time")])
 
 
 def page(suites, torn, folder):
     import plotly
     from plotly.offline import get_plotlyjs
     found = problems(suites)
-    lines = [line for of_suite in suites.values() for line in of_suite]
-    machines = sorted({f"{line['machine']['cpu']}, {line['machine']['cores']} cores" for line in lines if line.get("machine")})
-    commits = sorted({str(line.get("commit")) for line in lines})
-    parts = [f"<p>Machine: {html.escape('; '.join(machines))}. Commit: {html.escape(', '.join(commits))}. Drawn "
-             f"{datetime.date.today().isoformat()} with plotly {plotly.__version__} from {len(lines)} lines.</p>"]
+    lines = [line for lines in suites.values() for line in lines]
+    parts = []
     if torn:
         parts.append(f"<p>Lines that are no JSON object and are left out: {html.escape(', '.join(torn))}.</p>")
     if found:
         parts += [who_wins(found), profiles(found), growth(found)]
-    for suite, of_suite in suites.items():
+    for suite, its_lines in suites.items():
         parts.append(f"<h2>{html.escape(suite)}</h2>")
-        if any(key[0] == suite for key in found):
-            parts.append(solved(found, suite))
-            pictures = [from_above(drawing) for drawing in drawings(folder, suite)]
-            parts.append(folded(f"Suite {suite}: the best answers from above, {len(pictures)} problems", pictures))
-            parts.append(cost_over_time(found, suite))
-        elif suite == "robust":
-            parts.append(robust(of_suite))
-        elif suite.startswith("papers"):
-            parts.append(paper(suite, of_suite))
-        else:
-            parts.append(plain(suite, of_suite))
-            parts += [errors_over_time(line) for line in of_suite if line.get("errors")]
+        parts += of_suite(folder, suite, its_lines, found)
+    parts.append(f"<h2>Measured with</h2><dl>{measured_with(lines)}<dt>drawn</dt><dd>{datetime.date.today().isoformat()} with plotly "
+                 f"{plotly.__version__} from {len(lines)} lines</dd></dl>")
     return ("<!doctype html><html lang=en><head><meta charset=utf-8><meta name=viewport content='width=device-width, initial-scale=1'>"
             f"<title>holdfast: what was measured</title><style>{STYLE}</style><link rel=icon href='data:,'>"
             f"<script>{get_plotlyjs()}</script></head>"
-            f"<body><main><h1>holdfast: what was measured</h1>{''.join(parts)}</main><script>{OPENED}</script></body></html>")
+            f"<body><main><h1>holdfast: what was measured</h1>{''.join(parts)}</main><script>{SCRIPT}</script></body></html>")
 
 
 def main(arguments):
@@ -382,6 +258,8 @@ def main(arguments):
         with open(out + ".part", "w", encoding="utf-8") as file:
             file.write(text)
         os.replace(out + ".part", out)
+        for suite, lines in suites.items():
+            write_csv(os.path.join(os.path.dirname(out), f"{suite}.csv"), lines)
     except OSError as error:
         sys.exit(f"report: cannot write {out}: {error.strerror}; name another page as the second argument")
     print(f"report: {out}, {len(text) / 1e6:.1f} MB")

@@ -135,6 +135,19 @@ std::vector<Timed> timed() {
           {"5 agents at 10 Hz, lag 1 s, ranges", five, 10'000}};
 }
 
+/// [[simulated seconds, median µs, worst µs], …] of a hundred slices of all steps, in their order: whether it slows down.
+Json over_time(const std::vector<double>& microseconds, double dt) {
+  constexpr std::size_t kSlices = 100;
+  Json slices = Json::array();
+  for (std::size_t i = 0; i < kSlices; ++i) {
+    const auto from = static_cast<std::ptrdiff_t>(microseconds.size() * i / kSlices),
+               to = static_cast<std::ptrdiff_t>(microseconds.size() * (i + 1) / kSlices);
+    const std::vector<double> slice(microseconds.begin() + from, microseconds.begin() + to);
+    slices.push_back({static_cast<double>(to) * dt, median(slice), *std::max_element(slice.begin(), slice.end())});
+  }
+  return slices;
+}
+
 Json time(const Timed& row, unsigned seed, ProgressBar& bar) {
   bar.begin(row.name);
   Fleet fleet(row.options, seed);
@@ -161,6 +174,7 @@ Json time(const Timed& row, unsigned seed, ProgressBar& bar) {
   line["window"] = row.name;
   line["steps"] = row.steps;
   line["median_us"] = median(microseconds);
+  line["over_time"] = over_time(microseconds, row.options.dt);
   std::sort(microseconds.begin(), microseconds.end());
   line["p99_us"] = microseconds[microseconds.size() * 99 / 100];
   line["worst_us"] = microseconds.back();

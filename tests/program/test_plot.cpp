@@ -71,6 +71,35 @@ TEST_F(Plot, TheAnswerIsLaidOntoTheTruth) {
   EXPECT_EQ(Json::parse(outcome.out)["tracks"][0]["estimate"].dump(), "[[5.0,5.0],[5.0,7.0],[2.0,7.0]]");
 }
 
+// Two steps of 1 m, 0.1 m of noise a step and axis, 0.01 rad; the first pose is held. The last is known along the way to 2 · 0.01 m², and
+// across it to 2 · 0.01 m² + (1 m · 0.01 rad)².
+TEST_F(Plot, EllipsesAreTheCovariancesOfPositions) {
+  const std::string file = write("way.g2o",
+                                 "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nVERTEX_SE2 2 2 0 0\nEDGE_SE2 0 1 1 0 0 100 0 0 100 0 10000\n"
+                                 "EDGE_SE2 1 2 1 0 0 100 0 0 100 0 10000\n");
+  const Outcome outcome = holdfast_program({"plot", file, at("page.html"), "--json", "-"});
+  ASSERT_EQ(outcome.code, kDone) << outcome.err;
+  const Json drawing = Json::parse(outcome.out);
+  EXPECT_EQ(drawing["ellipses"].dump(), "[[0.0,0.0,0.0,0.0,0.0],[1.0,0.0,0.01,0.0,0.01],[2.0,0.0,0.02,0.0,0.0201]]");
+  EXPECT_THAT(text_of(at("page.html")), HasSubstr("id=ellipses"));
+}
+
+// The same way, of which the truth goes along y: the ellipses turn with it. The first pose of a PyFG file has a prior with the noise of a
+// step, 0.01 m² and (0.01 rad)²: across the way 3 · 0.01 m² + (2 m · 0.01 rad)² + (1 m · 0.01 rad)².
+TEST_F(Plot, EllipsesTurnWithTheAnswer) {
+  const std::string noise = " 0.01 0 0 0.01 0 0.0001\n";
+  const std::string file = write("way.pyfg",
+                                 "VERTEX_SE2 0 A0 0 0 1.5707963267948966\nVERTEX_SE2 1 A1 0 1 1.5707963267948966\n"
+                                 "VERTEX_SE2 2 A2 0 2 1.5707963267948966\nEDGE_SE2 0 A0 A1 1 0 0" +
+                                     noise + "EDGE_SE2 1 A1 A2 1 0 0" + noise);
+  const Outcome outcome = holdfast_program({"plot", file, "--start", "odometry", "--json", "-"});
+  ASSERT_EQ(outcome.code, kDone) << outcome.err;
+  const Json last = Json::parse(outcome.out)["ellipses"][2];
+  EXPECT_NEAR(last[2].get<double>(), 0.0305, 1e-6);
+  EXPECT_NEAR(last[3].get<double>(), 0, 1e-6);
+  EXPECT_NEAR(last[4].get<double>(), 0.03, 1e-6);
+}
+
 TEST_F(Plot, NamesAreTextNotMarkup) {
   const std::string file = write("a<b>&c.g2o", small_g2o());
   ASSERT_EQ(holdfast_program({"plot", file, at("page.html")}).code, kDone);

@@ -61,6 +61,7 @@ TEST_F(ResultsFormat, EveryFieldOfABenchLineIsInTheTables) {
   ASSERT_FALSE(lines.empty());
   for (const Json& line : lines) {
     expect_as_said(line, fields);
+    for (const char* part : {"cpu", "cores", "compiler", "holdfast", "eigen"}) EXPECT_TRUE(line["machine"].contains(part)) << part;
     for (const auto& [name, value] : line.items()) EXPECT_EQ(fields.count(name), 1u) << name << " is not in docs/results_format.md";
   }
   ASSERT_EQ(holdfast_program({"solve", "--backend", "irls", "--json", at("solve.json"), write("two.pyfg", small_pyfg())}).code, kDone);
@@ -93,6 +94,7 @@ TEST_F(ResultsFormat, EveryProblemOfASuiteHasItsDrawing) {
     drawn.insert(drawing["file"].get<std::string>() + drawing["loss"].dump());
     EXPECT_EQ(drawing["backend"], "irls");
     EXPECT_FALSE(drawing["tracks"].empty());
+    EXPECT_FALSE(drawing["ellipses"].empty()) << drawing["file"];
     EXPECT_FALSE(drawing["tracks"][0]["truth"].empty());
   }
   EXPECT_EQ(drawn, problems);
