@@ -1,7 +1,8 @@
 """Puts together what Sphinx reads: sources.py OUT.
 
 The pages of docs/ and of the root, with links to files of the tree led to a page that shows the file; consecutive blocks of C++ and Python
-side by side; the notebooks; and the pages of docs/site, where <!-- factors: … --> becomes what the headers' comments say.
+side by side; the notebooks; and the pages of docs/site, where <!-- factors: … --> becomes what the headers' comments say, with the figure
+of each and the code it is drawn from (factor_figures.py).
 """
 import json
 import os
@@ -10,6 +11,8 @@ import posixpath
 import re
 import shutil
 import sys
+
+import factor_figures
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ROOT_PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")
@@ -111,6 +114,8 @@ def section(stem, root, shown):
     header = (root / path).read_text(encoding="utf-8")
     shown.add(path)
     lines = [f"## {stem}", "", f"[{path}](../source/{path}.md)", "", "```text", comment_on_top(header), "```", ""]
+    if stem in factor_figures.FACTORS:
+        lines += [f"![{factor_figures.words(stem)}]({stem}.svg)", "", "```python", factor_figures.code(stem), "```", ""]
     for name, fields in factors_of(header):
         lines += [f"### {name}", "", "| field | type | |", "|---|---|---|"]
         lines += [f"| `{field}` | `{kind}` | {what.replace('|', '&#124;')} |" for kind, field, what in fields]
@@ -141,6 +146,7 @@ def assemble(out, root=ROOT):
         (out / page).write_text(text, encoding="utf-8")
     for path in [*(root / "docs").glob("*.svg"), root / "docs/site/theme.css"]:
         shutil.copy(path, out)
+    shutil.copytree(root / "docs/factors", out / "factors", dirs_exist_ok=True)
     return texts
 
 

@@ -49,7 +49,7 @@ class Site(unittest.TestCase):
         self.assertEqual(sorted(listed((ROOT / "docs/site/index.md").read_text(encoding="utf-8"))), pages)
 
     def test_no_link_is_dead(self):
-        self.assertEqual(dead_links(self.texts, [path.name for path in (ROOT / "docs").glob("*.svg")]), [])
+        self.assertEqual(dead_links(self.texts, [str(path.relative_to(ROOT / "docs")) for path in (ROOT / "docs").rglob("*.svg")]), [])
 
     def test_code_is_run(self):
         tests = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests/python").glob("test_*.py"))
@@ -60,7 +60,9 @@ class Site(unittest.TestCase):
         families = [text for page, text in self.texts.items() if page.startswith("factors/")]
         for path in sorted((ROOT / "factors").glob("*.hpp")):
             self.assertEqual(sum(text.count(f"\n## {path.stem}\n") for text in families), 1, path.name)
-            for name, _ in sources.factors_of(path.read_text(encoding="utf-8")):
+            factors = sources.factors_of(path.read_text(encoding="utf-8"))
+            self.assertEqual(path.stem in sources.factor_figures.FACTORS, bool(factors), f"{path.name}: docs/site/factor_figures.py")
+            for name, _ in factors:
                 self.assertEqual(sum(text.count(f"\n### {name}\n") for text in families), 1, name)
         ranges = self.texts["factors/distances.md"]
         self.assertIn("r = (‖p_a − p_b‖ − distance) / sigma", ranges)

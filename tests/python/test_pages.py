@@ -1,4 +1,4 @@
-"""The Python code of the pages for newcomers, and the drawing of the losses."""
+"""The Python code of the pages for newcomers, and the drawings of the losses and the factors."""
 import importlib.util
 import pathlib
 import re
@@ -36,11 +36,35 @@ def test_the_page_of_losses():
     run("losses.md")
 
 
+def script(name):
+    spec = importlib.util.spec_from_file_location(name, DOCS / "site" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def numbers(text):
+    return np.array(re.findall(r"\d+\.\d+", text), dtype=float)
+
+
 def test_the_drawing_of_the_losses_is_that_of_this_library():
-    spec = importlib.util.spec_from_file_location("losses", DOCS / "site" / "losses.py")
-    losses = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(losses)
+    losses = script("losses")
     np.testing.assert_allclose(losses.curves("huber:2", 4), [12, 0.5, 2], rtol=1e-6)
     np.testing.assert_allclose(losses.curves("geman_mcclure:2", -2), [2, 0.25, -0.5], rtol=1e-6)
-    numbers = lambda text: np.array(re.findall(r"\d+\.\d+", text), dtype=float)
     np.testing.assert_allclose(numbers((DOCS / "losses.svg").read_text(encoding="utf-8")), numbers(losses.svg()), atol=0.2)
+
+
+FIGURES = script("factor_figures")
+
+
+def test_a_figure_of_a_factor_by_hand():
+    swept = FIGURES.FACTORS["range"]
+    assert FIGURES.residual(swept, 6.5) == [3] and FIGURES.residual(swept, -4) == [-2]  # 5 m measured, sigma 0.5 m
+    assert FIGURES.cost(swept, 6.5, "squared") == 4.5 and FIGURES.cost(swept, 6.5, "huber:2") == 4  # 2 · 3 - 2² / 2
+
+
+@pytest.mark.parametrize("name", FIGURES.FACTORS)
+def test_the_drawing_of_a_factor_is_that_of_this_library(name):
+    drawn = (DOCS / "factors" / f"{name}.svg").read_text(encoding="utf-8")
+    np.testing.assert_allclose(numbers(drawn), numbers(FIGURES.svg(name)), atol=0.2,
+                               err_msg="draw it again: PYTHONPATH=build/release/python python3 docs/site/factor_figures.py docs/factors")
