@@ -32,8 +32,9 @@ def test_the_tutorial_and_the_numbers_it_says():
     assert mirrored["summary"].cost == pytest.approx(73.96, abs=0.005)
 
 
-def test_the_page_of_losses():
-    run("losses.md")
+@pytest.mark.parametrize("page", ["losses.md", "backends.md", "missing.md", "starts.md"])
+def test_a_page_that_helps_to_choose(page):
+    run(page).clear()  # a schedule holds its functions, and those the names of the page
 
 
 def script(name):
