@@ -45,7 +45,7 @@ void bind_incremental(nb::module_& m) {
           [](Incremental* self, double relinearize, double propagate, int most_steps, double reorder, bool findings, bool report) {
             new (self) Incremental(IncrementalOptions{relinearize, propagate, most_steps, reorder, findings, report});
           },
-          "relinearize"_a = 1e-3, "propagate"_a = 1e-5, "most_steps"_a = 5, "reorder"_a = 20.0, "findings"_a = false, "report"_a = false)
+          "relinearize"_a = 0.05, "propagate"_a = 1e-5, "most_steps"_a = 5, "reorder"_a = 20.0, "findings"_a = false, "report"_a = false)
       .def(
           "insert_from", [](Incremental& i, const Values& values, Key key) { unused(i).insert_from(values, key); }, "values"_a, "key"_a)
       .def(

@@ -13,7 +13,9 @@ void CliqueTree::write(io::ByteWriter& out) const {
   for (const Term& term : terms_) out.put(term.variables).put(term.H).put(term.g);
   out.put<std::uint64_t>(cliques_.size());
   for (const Clique& clique : cliques_) out.put(clique.own).put(clique.separator).put<std::int32_t>(clique.parent).put(clique.children);
-  for (const auto* list : {&free_variables_, &free_terms_, &free_cliques_, &dirty_, &orphans_, &roots_, &late_}) out.put(*list);
+  out.put<std::uint64_t>(free_variables_.size());
+  for (const std::vector<int>& list : free_variables_) out.put(list);
+  for (const auto* list : {&free_terms_, &free_cliques_, &dirty_, &orphans_, &roots_, &late_}) out.put(*list);
 }
 
 CliqueTree CliqueTree::read(io::ByteReader& in) {
@@ -43,8 +45,8 @@ CliqueTree CliqueTree::read(io::ByteReader& in) {
     clique.children = in.get_list<int>();
     tree.cliques_.push_back(std::move(clique));
   }
-  for (auto* list :
-       {&tree.free_variables_, &tree.free_terms_, &tree.free_cliques_, &tree.dirty_, &tree.orphans_, &tree.roots_, &tree.late_})
+  for (std::size_t count = in.get_count(1); count > 0; --count) tree.free_variables_.push_back(in.get_list<int>());
+  for (auto* list : {&tree.free_terms_, &tree.free_cliques_, &tree.dirty_, &tree.orphans_, &tree.roots_, &tree.late_})
     *list = in.get_list<int>();
   tree.require_sound();
   tree.make_fronts();
@@ -81,6 +83,7 @@ void CliqueTree::require_sound() {
   for (std::size_t i = 0; i < variables_.size(); ++i) {
     const Variable& v = variables_[i];
     require(v.dim > 0 && v.offset <= delta_.size() && static_cast<std::size_t>(v.dim) <= delta_.size() - v.offset, "a variable's place");
+    require(static_cast<std::size_t>(v.dim) < free_variables_.size(), "a dimension");
     require(v.clique == owner[i], "a variable's clique");
     all_below(v.terms, terms_.size(), "a variable's term");
     for (const int t : v.terms) {
@@ -94,14 +97,17 @@ void CliqueTree::require_sound() {
     for (const int v : term.variables) n += static_cast<std::size_t>(variables_[v].dim);
     require(term.g.size() == n && term.H.size() == n * n, "a term's size");
   }
-  all_below(free_variables_, variables_.size(), "a free variable");
   all_below(free_terms_, terms_.size(), "a free term");
   all_below(free_cliques_, cliques_.size(), "a free clique");
   all_below(dirty_, variables_.size(), "a variable without a clique");
   all_below(late_, variables_.size(), "a late variable");
   all_below(orphans_, cliques_.size(), "a clique without a parent");
   all_below(roots_, cliques_.size(), "a root");
-  for (const int v : free_variables_) require(owner[v] == no_clique && variables_[v].terms.empty(), "a free variable in use");
+  for (std::size_t dim = 0; dim < free_variables_.size(); ++dim) {
+    all_below(free_variables_[dim], variables_.size(), "a free variable");
+    for (const int v : free_variables_[dim])
+      require(owner[v] == no_clique && variables_[v].terms.empty() && variables_[v].dim == static_cast<int>(dim), "a free variable in use");
+  }
   for (const int t : free_terms_) require(terms_[t].variables.empty(), "a free term in use");
   for (const int c : free_cliques_) require(cliques_[c].own.empty(), "a free clique in use");
   for (const int v : dirty_) require(owner[v] == no_clique, "a variable without a clique that has one");

@@ -10,32 +10,57 @@ void drop(std::vector<int>& from, int what) { from.erase(std::find(from.begin(),
 }  // namespace
 
 int CliqueTree::add_variable(int dim) {
+  if (free_variables_.size() <= static_cast<std::size_t>(dim)) free_variables_.resize(static_cast<std::size_t>(dim) + 1);
+  std::vector<int>& free = free_variables_[static_cast<std::size_t>(dim)];
   int number;
-  if (free_variables_.empty()) {
+  if (free.empty()) {
     number = static_cast<int>(variables_.size());
     variables_.emplace_back();
-  } else {
-    number = free_variables_.back();
-    free_variables_.pop_back();
-  }
-  Variable& v = variables_[number];
-  if (v.dim != dim) {
-    v.offset = delta_.size();
+    variables_.back().dim = dim;
+    variables_.back().offset = delta_.size();
     delta_.resize(delta_.size() + static_cast<std::size_t>(dim));
     told_.resize(delta_.size());
+  } else {
+    number = free.back();
+    free.pop_back();
   }
-  v.dim = dim;
   restart(number);
-  v.is_late = true;
+  variables_[number].is_late = true;
   late_.push_back(number);
   dirty_.push_back(number);
   return number;
+}
+
+bool CliqueTree::is_empty() const {
+  std::size_t free = 0;
+  for (const std::vector<int>& list : free_variables_) free += list.size();
+  return free == variables_.size();
 }
 
 void CliqueTree::restart(int variable) {
   const Variable& v = variables_[variable];
   std::fill_n(delta_.begin() + static_cast<std::ptrdiff_t>(v.offset), v.dim, 0.0);
   std::fill_n(told_.begin() + static_cast<std::ptrdiff_t>(v.offset), v.dim, 0.0);
+}
+
+double CliqueTree::moved(int variable) const {
+  const Variable& v = variables_[variable];
+  const double* const d = &delta_[v.offset];
+  double sum = 0;
+  for (const int t : v.terms) {
+    const Term& term = terms_[t];
+    int at = 0;
+    for (const int other : term.variables) {
+      if (other == variable) break;
+      at += variables_[other].dim;
+    }
+    const std::size_t size = term.g.size();
+    for (int c = 0; c < v.dim; ++c) {
+      const double* const column = &term.H[static_cast<std::size_t>(at + c) * size + static_cast<std::size_t>(at)];
+      for (int r = 0; r < v.dim; ++r) sum += d[r] * column[r] * d[c];
+    }
+  }
+  return sum;
 }
 
 void CliqueTree::remove_variable(int variable) {
@@ -48,7 +73,7 @@ void CliqueTree::remove_variable(int variable) {
   v = Variable();
   v.dim = dim;
   v.offset = offset;
-  free_variables_.push_back(variable);
+  free_variables_[static_cast<std::size_t>(dim)].push_back(variable);
 }
 
 int CliqueTree::add_term(const std::vector<int>& variables, const std::vector<double>& H, const std::vector<double>& g) {

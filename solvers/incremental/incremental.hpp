@@ -13,7 +13,7 @@
 //
 // How. After Kaess et al., iSAM2 (2012): the factorisation of the linearised problem is a tree of cliques. An update makes those again
 // whose variables the new factors tie, and those above them up to the root; what hangs below stays. A variable whose estimate has moved
-// from where its factors were linearised by more than `relinearize` is linearised anew there. Variables of the newest factors are
+// from where its factors were linearised by more than `relinearize` sigmas is linearised anew there. Variables of the newest factors are
 // eliminated last, near the root. When eliminating again has cost `reorder` times a whole factorisation, all is ordered afresh.
 // Losses are re-weighted where their factors are linearised anew (iteratively re-weighted least squares).
 //
@@ -37,12 +37,14 @@ class ByteReader;
 }  // namespace io
 
 struct IncrementalOptions {
-  double relinearize = 1e-3;  ///< > 0: of any component of a tangent [m, rad, …], from where a variable was linearised
-  double propagate = 1e-5;    ///< >= 0: parts of the tree whose neighbours moved by less are not solved again
-  int most_steps = 5;         ///< >= 1, of one update
-  double reorder = 20;        ///< > 0: work of updates, in whole factorisations, after which all is ordered afresh
-  bool findings = false;      ///< IncrementalStep::findings, gone. Cost: three evaluations of the factors of the points that are tied anew
-  bool report = false;        ///< IncrementalStep::report. Cost: an evaluation of those factors
+  /// > 0 [sigmas], from where a variable was linearised: √(δᵀHδ), H the sum of its factors' blocks JᵀJ, so all others stand still. The
+  /// same in metres and in millimetres, of poses and of points.
+  double relinearize = 0.05;
+  double propagate = 1e-5;  ///< >= 0 [m, rad, …]: parts of the tree whose neighbours moved by less are not solved again
+  int most_steps = 5;       ///< >= 1, of one update
+  double reorder = 20;      ///< > 0: work of updates, in whole factorisations, after which all is ordered afresh
+  bool findings = false;    ///< IncrementalStep::findings, gone. Cost: three evaluations of the factors of the points that are tied anew
+  bool report = false;      ///< IncrementalStep::report. Cost: an evaluation of those factors
 
   /// Throws BadOption with field, value and rule.
   void validate() const;

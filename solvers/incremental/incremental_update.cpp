@@ -126,8 +126,7 @@ void Incremental::solve(bool afresh) {
   s.work = afresh ? 0 : s.work + s.tree.work();
   s.whole = afresh ? s.tree.work() : std::max(s.whole, s.tree.work());
   for (const int number : s.tree.changed()) {
-    const double* delta = s.tree.delta(number);
-    if (std::any_of(delta, delta + s.tree.dim(number), [&](double d) { return std::abs(d) > options_.relinearize; }))
+    if (s.tree.moved(number) > options_.relinearize * options_.relinearize)
       s.far.insert(number);
     else
       s.far.erase(number);

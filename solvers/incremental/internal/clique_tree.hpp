@@ -41,6 +41,8 @@ class CliqueTree {
   const double* delta(int variable) const { return &delta_[variables_[variable].offset]; }
   /// δ of this variable is 0 from now on: it was linearised anew where it is. Its terms have to be changed, too.
   void restart(int variable);
+  /// δᵀ H_vv δ of this variable's δ, of all terms on it: the square of how far it moved in sigmas, had all others stood still.
+  double moved(int variable) const;
   const std::vector<int>& changed() const { return changed_; }  ///< the variables whose δ it changed
   int remade() const { return remade_; }                        ///< how many variables it eliminated again
   double work() const { return work_; }                         ///< multiply–add pairs of it
@@ -51,7 +53,7 @@ class CliqueTree {
   /// What comes next has the same bits as of the tree that was written. Throws BadFile.
   static CliqueTree read(io::ByteReader& in);
 
-  bool is_empty() const { return variables_.size() == free_variables_.size(); }
+  bool is_empty() const;
   int variables() const { return static_cast<int>(variables_.size()); }  ///< numbers given out, also of those that are gone
   int terms() const { return static_cast<int>(terms_.size()); }
   int dim(int variable) const { return variables_[variable].dim; }
@@ -109,7 +111,8 @@ class CliqueTree {
   std::vector<Variable> variables_;
   std::vector<Term> terms_;
   std::vector<Clique> cliques_;
-  std::vector<int> free_variables_, free_terms_, free_cliques_;
+  std::vector<std::vector<int>> free_variables_;  // by dimension: their places in delta_ serve again
+  std::vector<int> free_terms_, free_cliques_;
   std::vector<double> delta_, told_;  // told: δ when it was last followed down
   std::vector<int> dirty_;            // variables without a clique
   std::vector<int> orphans_;          // cliques without a parent, to be hung on again
