@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <holdfast/program/loop_filter.hpp>
+#include <holdfast/solvers/range_consistency.hpp>
 #include <limits>
 #include <sstream>
 
@@ -7,16 +8,20 @@ namespace holdfast::program {
 
 void LoopFilter::leave_out(Graph& graph, bool can_judge) {
   constexpr std::size_t kMostNames = 20;
-  const ConsistentLoops found = consistent_loops(graph);
-  text_ = "pcm: " + found.str();
-  rejected_ = found.rejected.size();
+  const ConsistentLoops loops = consistent_loops(graph);
+  const ConsistentRanges ranges = consistent_ranges(graph);
+  text_ = "pcm: " + loops.str();
+  if (ranges.groups > 0) text_ += "\npcm: " + ranges.str();
+  std::vector<FactorId> rejected = loops.rejected;
+  rejected.insert(rejected.end(), ranges.rejected.begin(), ranges.rejected.end());
+  rejected_ = rejected.size();
   for (std::size_t i = 0; i < std::min(rejected_, kMostNames); ++i) {
-    const Graph::Place& place = graph.place(found.rejected[i]);
+    const Graph::Place& place = graph.place(rejected[i]);
     text_ += (i == 0 ? "\nrejected: " : ", ") + graph.batches()[place.batch]->describe(place.index);
   }
   if (rejected_ > kMostNames) text_ += ", and " + std::to_string(rejected_ - kMostNames) + " more";
   if (rejected_ > 0 && can_judge) whole_ = graph;
-  for (const FactorId id : found.rejected) graph.remove(id);
+  for (const FactorId id : rejected) graph.remove(id);
 }
 
 const Graph* LoopFilter::whole_if_better(const common::Task& task, const common::Instance& filtered, common::Run& run, Values& answer) {
@@ -29,7 +34,7 @@ const Graph* LoopFilter::whole_if_better(const common::Task& task, const common:
   const double without_filter = whole_->cost(without);
   const bool is_better = without_filter < with_filter;
   std::ostringstream text;
-  text << "\npcm, " << task.backend << ": over all loops the cost is " << with_filter << " with it and " << without_filter
+  text << "\npcm, " << task.backend << ": over all measurements the cost is " << with_filter << " with it and " << without_filter
        << " without it; the answer is the one " << (is_better ? "without" : "with") << " it";
   text_ += text.str();
   if (!is_better) return nullptr;

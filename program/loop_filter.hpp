@@ -1,4 +1,4 @@
-// solve --pcm: loop closures that disagree with most others are left out before solving, and what that is worth.
+// solve --pcm: loop closures that disagree with most others are left out before solving, and what that is worth. Ranges likewise.
 #pragma once
 
 #include <holdfast/common/run.hpp>

@@ -5,7 +5,9 @@
 #include <holdfast/common/hosts.hpp>
 #include <holdfast/common/log.hpp>
 #include <holdfast/common/machine.hpp>
+#include <holdfast/graph/dynamic_covariance_scaling.hpp>
 #include <holdfast/graph/max_mixture.hpp>
+#include <holdfast/graph/switchable_constraint.hpp>
 #include <holdfast/program/completion.hpp>
 #include <holdfast/program/output.hpp>
 #include <holdfast/program/program.hpp>
@@ -54,6 +56,8 @@ bool json_goes_to_output(const CLI::App& app) {
 int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err) {
   register_hosts();
   register_loss<MaxMixture>();
+  register_loss<DynamicCovarianceScaling>();
+  register_loss<SwitchableConstraint>();
   CLI::App app{"holdfast: robust state estimation for many robots, on back-ends that compare", "holdfast"};
   app.set_version_flag("--version", "holdfast " HOLDFAST_VERSION " (" + commit() + ")");
   bool verbose = false;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <holdfast/graph/dynamic_covariance_scaling.hpp>
 #include <holdfast/program/rejected.hpp>
 #include <holdfast/solvers/chi_square.hpp>
 #include <holdfast/solvers/outlier_report.hpp>
@@ -7,14 +8,20 @@
 
 namespace holdfast::program {
 
+bool has_threshold(const Loss& loss) {
+  if (loss.kind == Loss::Kind::Own) return loss.own->type() == typeid(DynamicCovarianceScaling);
+  return !loss.is_convex() && loss.kind != Loss::Kind::StudentT;
+}
+
 void set_thresholds(Graph& graph, double alpha) {
   std::vector<std::pair<FactorId, Loss>> changed;
   for (std::size_t b = 0; b < graph.batches().size(); ++b) {
     const FactorBatch& batch = *graph.batches()[b];
-    if (batch.family().is_convex() || batch.family().kind == Loss::Kind::Own || batch.family().kind == Loss::Kind::StudentT) continue;
+    if (!has_threshold(batch.family())) continue;
     for (int i = 0; i < batch.size(); ++i) {
       Loss loss = batch.loss(i);
       loss.scale = std::sqrt(chi_square_quantile(1 - alpha, loss.per_component ? 1 : batch.residual_dim()));
+      if (loss.kind == Loss::Kind::Own) loss.own = Loss(DynamicCovarianceScaling{loss.scale}).own;
       changed.emplace_back(graph.id_of(static_cast<int>(b), i), loss);
     }
   }

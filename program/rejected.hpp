@@ -6,7 +6,10 @@
 
 namespace holdfast::program {
 
-/// Every loss that is not convex and has a threshold gets √ of the (1 − alpha) quantile of χ² with as many degrees of freedom as its
+/// What a loss rejects depends on a threshold in sigmas. Not so of convex ones, of student_t, and of users' own (but dcs).
+bool has_threshold(const Loss& loss);
+
+/// Every loss that has a threshold gets √ of the (1 − alpha) quantile of χ² with as many degrees of freedom as its
 /// factor has components: one true measurement in 1/alpha is rejected, whatever it measures.
 void set_thresholds(Graph& graph, double alpha);
 

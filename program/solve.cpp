@@ -46,9 +46,11 @@ CLI::App* add_solve(CLI::App& app, SolveArguments& arguments) {
                    "probability of a false alarm: the threshold of every redescending loss, by its number of components; 0.01 under --gnc "
                    "where no loss is given, else the loss's own threshold")
       ->check(CLI::Range(1e-12, 0.5));
-  command->add_flag("--pcm", arguments.pcm,
-                    "leave out loop closures that disagree with most others before solving (pairwise consistency, maximum clique); under a "
-                    "redescending loss the graph is solved without the filter, too, and the lower cost over all loops is the answer");
+  command->add_flag(
+      "--pcm", arguments.pcm,
+      "leave out loop closures that disagree with most others before solving (pairwise consistency, maximum clique), and ranges that "
+      "do (by geometry); under a redescending loss the graph is solved without the filter, too, and the lower cost over all "
+      "measurements is the answer");
   command->add_flag("--certify", arguments.certify,
                     "lower bound, gap and verdict for each answer: is it the global minimum? (squared pose graphs; loose for ranges)");
   command->add_flag("--second-order,!--no-second-order", arguments.second_order,
@@ -90,8 +92,7 @@ Plan plan_of(const SolveArguments& arguments) {
     plan.problem.loss = TruncatedSquares{1};
     if (!plan.alpha) plan.alpha = kAlpha;
   }
-  const bool has_threshold = !plan.problem.loss.is_convex() && plan.problem.loss.kind != Loss::Kind::StudentT;
-  if (plan.alpha && !has_threshold)
+  if (plan.alpha && !has_threshold(plan.problem.loss))
     fail<BadOption>("--alpha: the loss ", plan.problem.loss.str(),
                     " has no threshold for outliers; give --gnc, or a loss such as truncated_squares:3");
   plan.problem.start = start_named(arguments.start);

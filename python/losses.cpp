@@ -1,5 +1,7 @@
 // Losses by their names, as in C++: Huber(2), per_component(Cauchy(1)), one_sided(…).
+#include <holdfast/graph/dynamic_covariance_scaling.hpp>
 #include <holdfast/graph/max_mixture.hpp>
+#include <holdfast/graph/switchable_constraint.hpp>
 
 #include "bind.hpp"
 
@@ -23,10 +25,13 @@ nb::tuple state_of(const Loss& loss) {
 /// The very bits of the threshold, which a text need not give back.
 Loss from_state(const nb::tuple& state) {
   Loss loss = Loss::parse(nb::cast<std::string>(state[0]));
-  if (loss.kind == Loss::Kind::Own)
-    loss = Loss(MaxMixture{nb::cast<double>(state[1])});
+  const double scale = nb::cast<double>(state[1]);
+  if (loss.kind != Loss::Kind::Own)
+    loss.scale = scale;
+  else if (loss.own->type() == typeid(MaxMixture))
+    loss = Loss(MaxMixture{scale});
   else
-    loss.scale = nb::cast<double>(state[1]);
+    loss = Loss(DynamicCovarianceScaling{scale});
   loss.per_component = nb::cast<bool>(state[2]);
   loss.one_sided = nb::cast<bool>(state[3]);
   return loss;
@@ -36,6 +41,8 @@ Loss from_state(const nb::tuple& state) {
 
 void bind_losses(nb::module_& m) {
   register_loss<MaxMixture>();
+  register_loss<DynamicCovarianceScaling>();
+  register_loss<SwitchableConstraint>();
   nb::class_<Loss>(m, "Loss")
       .def(
           "__init__", [](Loss* loss, const std::string& text) { new (loss) Loss(Loss::parse(text)); }, "text"_a,
@@ -72,6 +79,9 @@ void bind_losses(nb::module_& m) {
   def_loss<TruncatedSquares>(m, "TruncatedSquares", "c", 3.5, "ρ = min(s, c²)");
   def_loss<StudentT>(m, "StudentT", "nu", 3, "ρ = (ν + d) ln(1 + s/ν)");
   def_loss<MaxMixture>(m, "MaxMixture", "width", 10, "ρ = min(s, s/width² + constant)");
+  def_loss<DynamicCovarianceScaling>(m, "DynamicCovarianceScaling", "c", 1, "ρ = s for s ≤ c², else c² (3s − c²) / (c² + s)");
+  def_loss<SwitchableConstraint>(m, "SwitchableConstraint", "c", 1,
+                                 "ρ = min over the switch ω of ω² s + c² (1 − ω)², which is that of GemanMcClure(c)");
   m.def(
       "per_component", [](Loss loss) { return per_component(std::move(loss)); }, "loss"_a, "each component is a block of its own");
   m.def(

@@ -2,6 +2,7 @@
 #include <holdfast/solvers/certificate.hpp>
 #include <holdfast/solvers/gnc.hpp>
 #include <holdfast/solvers/pairwise_consistency.hpp>
+#include <holdfast/solvers/range_consistency.hpp>
 
 #include "bind.hpp"
 
@@ -91,6 +92,26 @@ void bind_consistency(nb::module_& m) {
       "graph"_a, "false_alarm"_a = 1e-4, "second_look"_a = true, "informative"_a = 1.0, "most_pairs"_a = 20'000'000, "time_limit"_a = 0.5,
       "noise_scale"_a = 0.0, "odometry"_a = std::vector<FactorId>(),
       "loop closures that agree with each other; see holdfast/solvers/pairwise_consistency.hpp");
+  nb::class_<ConsistentRanges>(m, "ConsistentRanges")
+      .def_ro("kept", &ConsistentRanges::kept)
+      .def_ro("rejected", &ConsistentRanges::rejected)
+      .def_ro("untested", &ConsistentRanges::untested, "of the kept ones")
+      .def_ro("groups", &ConsistentRanges::groups)
+      .def_ro("windows", &ConsistentRanges::windows)
+      .def_ro("decided", &ConsistentRanges::decided, "windows that judged")
+      .def_ro("noise_scale", &ConsistentRanges::noise_scale)
+      .def_ro("seconds", &ConsistentRanges::seconds)
+      .def("__repr__", &ConsistentRanges::str);
+  m.def(
+      "consistent_ranges",
+      [](const Graph& graph, double false_alarm, int window, double drift, double least_share, int proposals, int turns, double noise_scale,
+         const std::vector<FactorId>& odometry) {
+        const RangeConsistencyOptions options{false_alarm, window, drift, least_share, proposals, turns, noise_scale, odometry};
+        return without_gil(graph, Values(), [&] { return consistent_ranges(graph, options); });
+      },
+      "graph"_a, "false_alarm"_a = 1e-3, "window"_a = 40, "drift"_a = 2.0, "least_share"_a = 0.25, "proposals"_a = 400, "turns"_a = 24,
+      "noise_scale"_a = 0.0, "odometry"_a = std::vector<FactorId>(),
+      "ranges that agree with each other; see holdfast/solvers/range_consistency.hpp");
   m.def(
       "agreeing_loops",
       [](const Graph& graph, const Values& values, const std::vector<FactorId>& loops, double false_alarm) {

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <holdfast/benchmarks/suites/robust_cases.hpp>
 #include <holdfast/common/table.hpp>
+#include <holdfast/graph/dynamic_covariance_scaling.hpp>
+#include <holdfast/graph/switchable_constraint.hpp>
 #include <holdfast/solvers/table.hpp>
 
 namespace holdfast::bench {
@@ -11,12 +13,15 @@ std::vector<RobustMethod> all_methods() {
   const auto truncated = [](double c) { return Loss(TruncatedSquares{c}); };
   std::vector<RobustMethod> all{{"squared", "irls", squared},
                                 {"huber", "irls", [](double) { return Loss(Huber{1.345}); }},
+                                {"pseudo_huber", "irls", [](double) { return Loss(PseudoHuber{1.345}); }},
+                                {"absolute", "irls", [](double) { return Loss(Absolute{}); }},
                                 {"cauchy", "irls", [](double) { return Loss(Cauchy{1}); }},
                                 {"geman_mcclure", "irls", [](double c) { return Loss(GemanMcClure{c}); }},
                                 {"welsch", "irls", [](double c) { return Loss(Welsch{c}); }},
                                 {"tukey", "irls", [](double c) { return Loss(Tukey{c}); }},
                                 {"student_t", "irls", [](double) { return Loss(StudentT{3}); }},
                                 {"dcs", "irls", [](double c) { return Loss(DynamicCovarianceScaling{c}); }},
+                                {"switchable", "irls", [](double) { return Loss(SwitchableConstraint{1}); }},
                                 {"truncated_squares", "irls", truncated},
                                 {"gnc-irls", "gnc-irls", truncated},
                                 {"gnc-irls one_sided", "gnc-irls", [](double c) { return one_sided(TruncatedSquares{c}); }, false, true}};

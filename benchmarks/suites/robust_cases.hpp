@@ -7,24 +7,10 @@
 
 namespace holdfast::bench {
 
-/// Dynamic covariance scaling (Agarwal, Tipaldi, Spinello, Stachniss & Burgard, ICRA 2013): weight min(1, 2Φ/(Φ + s))², Φ = c². The ρ of
-/// that weight: s up to Φ, then Φ (3s − Φ) / (s + Φ).
-/// Switchable constraints (Sünderhauf & Protzel, IROS 2012) with each switch at its optimum, min over ω of ω² s + Φ (1 − ω)², are
-/// GemanMcClure{c}.
-struct DynamicCovarianceScaling {
-  double c;
-  static const char* name() { return "dcs"; }
-  Rho rho(double s) const {
-    const double phi = c * c, sum = phi + s;
-    if (s <= phi) return {s, 1, 0};
-    return {phi * (3 * s - phi) / sum, 4 * phi * phi / (sum * sum), -8 * phi * phi / (sum * sum * sum)};
-  }
-};
-
 struct RobustMethod {
   std::string name, backend;
   Loss (*loss)(double c);  ///< of a loop or a range, for a threshold c
-  bool pcm = false;        ///< of loop closures: pairwise consistency first
+  bool pcm = false;        ///< consistent_loops or consistent_ranges first
   bool ranges_only = false;
 };
 
@@ -37,7 +23,7 @@ struct RobustSetting {
   double share() const;
   std::optional<AttackedGraph> make(unsigned seed) const;
   /// Whether the method is one for it.
-  bool takes(const RobustMethod& method) const { return of_ranges() ? !method.pcm : !method.ranges_only; }
+  bool takes(const RobustMethod& method) const { return of_ranges() || !method.ranges_only; }
 };
 
 /// Those that the options choose. Throws BadOption: a name or a share that no one has, with those there are.

@@ -7,7 +7,8 @@ import sys
 import holdfast as hf
 
 LOSSES = [("squared", "#777777", ""), ("huber:2", "#0072b2", ""), ("cauchy:2", "#e69f00", ""), ("geman_mcclure:2", "#009e73", ""),
-          ("welsch:2", "#cc79a7", ""), ("tukey:4.685", "#d55e00", "6 3"), ("truncated_squares:3", "#000000", "2 3")]
+          ("welsch:2", "#cc79a7", ""), ("tukey:4.685", "#d55e00", "6 3"), ("truncated_squares:3", "#000000", "2 3"),
+          ("dcs:2", "#56b4e9", "")]
 PANELS = [("ρ", 12.0), ("weight ρ'", 1.1), ("influence ρ' r", 4.0)]
 REACH, STEPS, WIDTH, HEIGHT, GAP = 6.0, 240, 260, 200, 40
 

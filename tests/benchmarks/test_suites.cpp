@@ -8,7 +8,6 @@
 #include <holdfast/benchmarks/suites/robust_cases.hpp>
 #include <holdfast/factors/between.hpp>
 #include <holdfast/factors/range.hpp>
-#include <holdfast/testing/loss.hpp>
 
 #include "tests/program/helpers.hpp"
 
@@ -263,17 +262,6 @@ TEST_F(Robust, LocalGroupsAreOfPosesNearEachOther) {
   }
   EXPECT_GT(in_groups, static_cast<int>(problem->false_loops.size()) / 2);
   EXPECT_FALSE(attacked("intel", FalseLoops{FalseLoops::Kind::local_groups, 0.5}, 1)) << "there is no such file";
-}
-
-/// Agarwal et al.'s weight is the square of their scaling; a switch at its optimum leaves Geman and McClure's loss.
-TEST(RobustCases, DynamicCovarianceScalingAndSwitchesAreLosses) {
-  constexpr double c = 2, phi = c * c;
-  EXPECT_EQ(testing::check_loss(DynamicCovarianceScaling{c}), "");
-  for (const double s : {0.1, 3.9, 4.1, 9.0, 100.0}) {
-    const double scaling = std::min(1.0, 2 * phi / (phi + s)), at_best = phi / (phi + s);
-    EXPECT_NEAR(DynamicCovarianceScaling{c}.rho(s).first, scaling * scaling, 1e-12) << s;
-    EXPECT_NEAR(Loss(GemanMcClure{c}).rho(s).value, at_best * at_best * s + phi * (1 - at_best) * (1 - at_best), 1e-12) << s;
-  }
 }
 
 TEST(RobustCases, AreChosenByNameAndAWrongNameIsSaidWithThoseThereAre) {

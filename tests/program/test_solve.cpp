@@ -132,10 +132,30 @@ TEST_F(Solve, LeavesOutLoopsThatDisagree) {
   const auto line = lines_of(json).at(0);
   EXPECT_EQ(line["pcm_rejected"], 3);
   EXPECT_LT(line["cost"], 1);
-  EXPECT_THAT(outcome.out, Not(HasSubstr("over all loops")));  // squared: the cost over all loops says nothing
+  EXPECT_THAT(outcome.out, Not(HasSubstr("over all measurements")));  // squared: the cost over all loops says nothing
   const Outcome judged = holdfast_program({"solve", at("line.g2o"), "--backend", "irls", "--gnc", "--pcm"});
   EXPECT_EQ(judged.code, kDone) << judged.err;
-  EXPECT_THAT(judged.out, HasSubstr("pcm, gnc-irls: over all loops the cost is "));
+  EXPECT_THAT(judged.out, HasSubstr("pcm, gnc-irls: over all measurements the cost is "));
+}
+
+TEST_F(Solve, LeavesOutRangesThatDisagree) {
+  std::ostringstream text;  // along an arc, a beacon in sight; every fourth range is an echo
+  text << "VERTEX_XY L0 4 9\n";
+  double x = 0, y = 0, turn = 0;
+  for (int k = 0; k < 40; ++k) {
+    text << "VERTEX_SE2 " << k << " A" << k << ' ' << x << ' ' << y << ' ' << turn << '\n';
+    if (k > 0) text << "EDGE_SE2 " << k << " A" << k - 1 << " A" << k << " 0.5 0 0.05 1e-4 0 0 1e-4 0 1e-5\n";
+    text << "EDGE_RANGE " << k << " A" << k << " L0 " << std::hypot(4 - x, 9 - y) + (k % 4 == 1 ? 3 + 0.2 * k : 0.0) << " 0.1\n";
+    x += 0.5 * std::cos(turn);
+    y += 0.5 * std::sin(turn);
+    turn += 0.05;
+  }
+  const std::string json = at("runs.jsonl");
+  const Outcome outcome = holdfast_program({"solve", write("arc.pyfg", text.str()), "--backend", "irls", "--pcm", "--json", json});
+  EXPECT_EQ(outcome.code, kDone) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("pcm: 30 of 40 ranges agree"));
+  EXPECT_EQ(lines_of(json).at(0)["pcm_rejected"], 10);
+  EXPECT_LT(lines_of(json).at(0)["cost"], 1);
 }
 
 // Odometry that slips by far more than its sigma makes good loops disagree: the filter rejects some of them.
@@ -157,7 +177,7 @@ TEST_F(Solve, WithPcmTheLowerCostOverAllLoopsIsTheAnswer) {
     const Outcome outcome =
         holdfast_program({"solve", write("slips.g2o", text.str()), "--backend", "irls", "--gnc", "--pcm", "--json", json});
     EXPECT_EQ(outcome.code, kDone) << outcome.err;
-    const std::string said = "over all loops the cost is ";
+    const std::string said = "over all measurements the cost is ";
     ASSERT_THAT(outcome.out, HasSubstr(said));
     double with_pcm = 0, without = 0;
     ASSERT_EQ(std::sscanf(outcome.out.c_str() + outcome.out.find(said) + said.size(), "%lf with it and %lf without", &with_pcm, &without),
@@ -364,6 +384,8 @@ TEST_F(Solve, AlphaSetsTheThresholdByTheNumberOfComponents) {
   const Outcome squared = holdfast_program({"solve", file, "--alpha", "0.05"});
   EXPECT_EQ(squared.code, kUsage);
   EXPECT_THAT(squared.err, HasSubstr("the loss squared has no threshold for outliers"));
+  EXPECT_NEAR(cost("dcs:77", "0.05"), cost("dcs:2.7954834", ""), 1e-6);
+  EXPECT_EQ(holdfast_program({"solve", file, "--loss", "max_mixture:5", "--alpha", "0.05"}).code, kUsage);
 }
 
 }  // namespace

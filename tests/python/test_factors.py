@@ -121,7 +121,8 @@ def test_bytes_of_a_graph_that_flip_never_crash():
 
 @pytest.mark.parametrize("loss, text", [(hf.Huber(2), "huber:2"), (hf.per_component(hf.Cauchy(1)), "cauchy:1:component"),
                                         (hf.one_sided(hf.Tukey(4)), "tukey:4:one_sided"), (hf.StudentT(3), "student_t:3"),
-                                        (hf.MaxMixture(10), "max_mixture:10"), (hf.Absolute(0.1), "absolute:0.1"),
+                                        (hf.MaxMixture(10), "max_mixture:10"), (hf.DynamicCovarianceScaling(2), "dcs:2"),
+                                        (hf.SwitchableConstraint(2), "geman_mcclure:2"), (hf.Absolute(0.1), "absolute:0.1"),
                                         (hf.Squared(), "squared"),
                                         (hf.PseudoHuber(2), "pseudo_huber:2"), (hf.GemanMcClure(2), "geman_mcclure:2"),
                                         (hf.Welsch(3), "welsch:3"), (hf.TruncatedSquares(3), "truncated_squares:3")])

@@ -71,6 +71,24 @@ def test_loops_that_agree():
         hf.consistent_loops(graph, false_alarm=2)
 
 
+def test_ranges_that_agree():
+    graph, rng = hf.Graph(), np.random.default_rng(5)
+    here, beacon, true, false = hf.Pose2(0, 0, 0), np.array([4.0, 9.0]), [], []
+    for k in range(80):
+        if k > 0:
+            step = hf.Pose2(0.5, 0, 0.3 * math.sin(0.1 * k))
+            here = here * step
+            graph.add(Between.from_sigmas(step, [0.01, 0.01, 0.002]), [f"x{k - 1}", f"x{k}"])
+        echo = k % 3 == 0
+        distance = float(np.linalg.norm(beacon - here.p) + 0.1 * rng.standard_normal() + (rng.uniform(1, 10) if echo else 0))
+        (false if echo else true).append(graph.add(hf.Range[hf.Pose2, hf.Point2](distance, 0.1), [f"x{k}", "L0"]))
+    found = hf.consistent_ranges(graph)
+    assert set(found.rejected) == set(false) and set(found.kept) == set(true)
+    assert found.untested == 0 and found.groups == 1 and found.decided == found.windows and "53 of 80 ranges" in str(found)
+    with pytest.raises(hf.BadOption, match="window"):
+        hf.consistent_ranges(graph, window=2)
+
+
 def test_starts():
     graph, values, _, _ = ring()
     lost = hf.Values(values)
