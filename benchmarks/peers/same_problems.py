@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The same problems through the libraries that have Python wheels: holdfast, GTSAM, Ceres (pyceres), SciPy.
+"""The same problems through the libraries that have Python wheels: holdfast, GTSAM, Ceres (pyceres), g2o (g2opy), SciPy.
 
     scripts/bench --peers                    # installs them into build/peers-venv, runs this, writes bench-out/peers.jsonl
     PYTHONPATH=build/release/python build/peers-venv/bin/python benchmarks/peers/same_problems.py FILE.g2o … FILE.pyfg …
@@ -9,11 +9,11 @@ thread. The cost: every answer is read back, and scored by holdfast's Graph::cos
 has to agree with it to 1e-6, or the line says by how much it does not. Seconds are of the solve alone, without reading the file or making
 the graph; the median of five, the libraries in turn.
 
-What is not. GTSAM: Levenberg-Marquardt, as Gauss-Newton diverges on some; its relative poses have the residual of the group's logarithm,
-so that its cost is another one (`other_cost`: by what part at the start). pyceres has no pose graph factor: its residuals are Python
-functions, one call each, which is what its users have. SciPy: least_squares (trf, lsmr) with a sparse Jacobian, in the plane. g2o is not
-here: of g2o-python 0.0.12 set_information crashes the interpreter, and load reads no vertex. `overhead`: the seconds of a solve of two
-poses from their answer."""
+What is not. GTSAM and g2o run Levenberg-Marquardt, Gauss-Newton and dogleg, a line each: none of them is the best everywhere. GTSAM's
+relative poses have the residual of the group's logarithm, and g2o's in space that of a quaternion's vector part, so that their costs are
+others (`other_cost`: by what part at the start). pyceres has no pose graph factor: its residuals are Python functions, one call each, which
+is what its users have. g2opy has no edge for a range. SciPy: least_squares (trf, lsmr) with a sparse Jacobian, in the plane.
+`overhead`: the seconds of a solve of two poses from their answer."""
 import argparse
 import json
 import math
@@ -106,7 +106,7 @@ class Holdfast:
 
 
 class Gtsam:
-    name = "GTSAM"
+    name, method = "GTSAM", "LevenbergMarquardt"
 
     def __init__(self, problem):
         import gtsam
@@ -144,12 +144,12 @@ class Gtsam:
         return self.graph.error(self.values)
 
     def solve(self):
-        parameters = self.gtsam.LevenbergMarquardtParams()
+        parameters = getattr(self.gtsam, f"{self.method}Params")()
         parameters.setRelativeErrorTol(TOLERANCE)
         parameters.setAbsoluteErrorTol(0)
         parameters.setMaxIterations(ITERATIONS)
         begin = time.perf_counter()
-        optimizer = self.gtsam.LevenbergMarquardtOptimizer(self.graph, self.values, parameters)
+        optimizer = getattr(self.gtsam, f"{self.method}Optimizer")(self.graph, self.values, parameters)
         answer = optimizer.optimize()
         seconds = time.perf_counter() - begin
         values = hf.Values(self.problem.start)
@@ -165,6 +165,14 @@ class Gtsam:
         for key in self.problem.points:
             values.update(key, hf.Point2(answer.atPoint2(self.problem.id[key])))
         return seconds, values, optimizer.iterations()
+
+
+class GtsamGaussNewton(Gtsam):
+    name, method = "GTSAM, Gauss-Newton", "GaussNewton"
+
+
+class GtsamDogleg(Gtsam):
+    name, method = "GTSAM, dogleg", "Dogleg"
 
 
 def relative_residual(x, y, z, root):
@@ -285,6 +293,82 @@ class Pyceres:
         return seconds, values, summary.num_successful_steps + summary.num_unsuccessful_steps
 
 
+class G2o:
+    name, method = "g2o", "Levenberg"
+
+    def __init__(self, problem):
+        import importlib.metadata
+
+        import g2opy
+
+        if problem.ranges:
+            raise NotImplementedError("no edge for a range, and none can be made in Python")
+        self.g2o, self.problem, self.version = g2opy, problem, importlib.metadata.version("g2opy")
+        self.made()
+
+    def made(self):
+        """A new optimizer at the start: one that has been run keeps what it ended with."""
+        g2o, flat = self.g2o, self.problem.dim == 3
+        self.optimizer = g2o.SparseOptimizer()
+        block, linear = (g2o.BlockSolverSE2, g2o.LinearSolverEigenSE2) if flat else (g2o.BlockSolverSE3, g2o.LinearSolverEigenSE3)
+        self.optimizer.set_algorithm(getattr(g2o, f"OptimizationAlgorithm{self.method}")(block(linear())))
+        self.vertices = {}
+        for key in self.problem.poses:
+            vertex = (g2o.VertexSE2 if flat else g2o.VertexSE3)()
+            vertex.set_id(self.problem.id[key])
+            vertex.set_estimate_data(self.numbers(self.problem.start[key]))
+            vertex.set_fixed(key == self.problem.held)
+            self.optimizer.add_vertex(vertex)
+            self.vertices[key] = vertex
+        for a, b, z, information in self.problem.edges:
+            edge = (g2o.EdgeSE2 if flat else g2o.EdgeSE3)()
+            edge.set_vertex(0, self.vertices[a])
+            edge.set_vertex(1, self.vertices[b])
+            edge.set_measurement_data(np.array(z, float))
+            edge.set_information(information if flat else self.half_angle(information))
+            self.optimizer.add_edge(edge)
+        self.stop = g2o.SparseOptimizerTerminateAction()
+        self.stop.set_gain_threshold(TOLERANCE)
+        self.optimizer.add_post_iteration_action(self.stop)
+
+    @staticmethod
+    def half_angle(information):
+        """As the file has it: g2o's residual is the vector part of the quaternion."""
+        information = information.copy()
+        information[3:, :] *= 2
+        information[:, 3:] *= 2
+        return information
+
+    @staticmethod
+    def numbers(pose):
+        return np.array([*pose.p, pose.angle]) if isinstance(pose, hf.Pose2) else np.array([*pose.p, *pose.q])
+
+    def first_cost(self):
+        self.optimizer.initialize_optimization()
+        self.optimizer.compute_active_errors()
+        return 0.5 * self.optimizer.chi2()
+
+    def solve(self):
+        self.made()
+        begin = time.perf_counter()
+        self.optimizer.initialize_optimization()
+        iterations = self.optimizer.optimize(ITERATIONS)
+        seconds = time.perf_counter() - begin
+        values = hf.Values(self.problem.start)
+        for key, vertex in self.vertices.items():
+            numbers = np.array(vertex.get_estimate_data())
+            values.update(key, hf.Pose2(*numbers) if len(numbers) == 3 else hf.Pose3(numbers[:3], numbers[3:]))
+        return seconds, values, iterations
+
+
+class G2oGaussNewton(G2o):
+    name, method = "g2o, Gauss-Newton", "GaussNewton"
+
+
+class G2oDogleg(G2o):
+    name, method = "g2o, dogleg", "Dogleg"
+
+
 class Scipy:
     name = "SciPy"
 
@@ -392,16 +476,50 @@ def measure(peers, problem, runs):
     return lines
 
 
+PEERS = [Holdfast, Gtsam, GtsamGaussNewton, GtsamDogleg, Pyceres, G2o, G2oGaussNewton, G2oDogleg, Scipy]
+SAME = 1e-3  # relative, of costs at the end: libraries that minimise another cost end a little higher
+
+
+def ratios(lines):
+    """{(problem, library): seconds over holdfast's, of its fastest method that ends at the best cost; infinite: none does}"""
+    found = {}
+    for problem in dict.fromkeys(line["problem"] for line in lines):
+        ended = [line for line in lines if line["problem"] == problem and "seconds" in line]
+        best = min(line["cost"] for line in ended)
+        ours = next(line["seconds"] for line in ended if line["method"] == Holdfast.name)
+        for line in ended:
+            key = (problem, line["method"].partition(",")[0])
+            arrived = line["cost"] <= (1 + SAME) * best
+            found[key] = min(found.get(key, math.inf), line["seconds"] / ours if arrived else math.inf)
+    return found
+
+
+def table(lines):
+    """The ratios in Markdown."""
+    found = ratios(lines)
+    names = list(dict.fromkeys(line["method"].partition(",")[0] for line in lines))
+    rows = ["| problem | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
+    for problem in dict.fromkeys(line["problem"] for line in lines):
+        cells = [found.get((problem, name)) for name in names]
+        rows.append(f"| {problem.partition('.')[0]} | " + " | ".join(
+            "–" if cell is None else "no" if math.isinf(cell) else f"{cell:.1f}" if cell < 10 else f"{cell:,.0f}" for cell in cells) + " |")
+    return "\n".join(rows)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+")
     parser.add_argument("--runs", type=int, default=5)
     arguments = parser.parse_args()
+    all_lines = []
     for path in arguments.files:
-        for line in measure([Holdfast, Gtsam, Pyceres, Scipy], Problem(path), arguments.runs):
+        for line in measure(PEERS, Problem(path), arguments.runs):
             print(json.dumps(line), flush=True)
+            all_lines.append(line)
             if "seconds" in line:
                 print(f"{line['problem']:18} {line['method']:18} {line['seconds']:9.4f} s  cost {line['cost']:.6g}", file=sys.stderr)
+    print(f"\nSeconds over those of {Holdfast.name}, the fastest method of each library that ends at the best cost (no: none does)\n\n"
+          f"{table(all_lines)}", file=sys.stderr)
 
 
 if __name__ == "__main__":
