@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <holdfast/common/coloured.hpp>
 
 #include "tests/program/helpers.hpp"
 
@@ -160,6 +161,24 @@ TEST_F(Completion, EveryOptionOfEveryCommandIsInEveryScript) {
     }
   }
   EXPECT_EQ(holdfast_program({"completion", "csh"}).code, kUsage);
+}
+
+TEST(Coloured, TheNameAndTheKindOfALine) {
+  std::ostringstream plain;
+  common::Coloured colours(plain.rdbuf());
+  std::ostream out(&colours);
+  out << "holdfast: warning: cold\nholdfast: lost\n== suite: what\nholdfast is a word\n\n==\nhold" << std::flush;
+  EXPECT_EQ(plain.str(),
+            "\033[1mholdfast: \033[33mwarning:\033[0m cold\n\033[1mholdfast:\033[0m lost\n\033[1m== suite: what\033[0m\n"
+            "holdfast is a word\n\n==\nhold");
+}
+
+TEST(Coloured, WhereNobodyLooksNothingIs) {
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  EXPECT_FALSE(common::wants_colour(ends[1]));
+  ::close(ends[0]);
+  ::close(ends[1]);
 }
 
 }  // namespace
