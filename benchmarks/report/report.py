@@ -35,6 +35,21 @@ def who_wins(found):
         f"more than {SAME_COST:g} above the best cost counts as the limit of time")
 
 
+def where(found):
+    """Who is the fastest at equal cost, problem by problem, and by what factor before the next."""
+    rows = []
+    for (suite, name, loss, start), runs in found.items():
+        times = sorted((seconds, backend) for backend, seconds in seconds_at_equal_cost(runs).items())
+        if not times or math.isinf(times[0][0]):
+            rows.append((f"{suite}: {name}", loss, start, "nobody", "–", "–", "–"))
+            continue
+        lead = times[1][0] / times[0][0] if len(times) > 1 else math.inf
+        second = times[1][1] if math.isfinite(lead) else "nobody else"
+        rows.append((f"{suite}: {name}", loss, start, times[0][1], number(times[0][0]), second, number(lead, ".2f")))
+    return folded(f"Who wins where: {len(rows)} problems", [table(
+        ["problem", "loss", "start", "fastest", "s", "next", "times as long"], rows, "The fastest at the best cost, and the next")])
+
+
 def drawn_through(points, left, right):
     """From nothing at the left edge to its last height at the right one."""
     xs, ys = points
@@ -230,7 +245,7 @@ def page(suites, torn, folder):
     if torn:
         parts.append(f"<p>Lines that are no JSON object and are left out: {html.escape(', '.join(torn))}.</p>")
     if found:
-        parts += [who_wins(found), profiles(found), growth(found)]
+        parts += [who_wins(found), where(found), profiles(found), growth(found)]
     for suite, its_lines in suites.items():
         parts.append(f"<h2>{html.escape(suite)}</h2>")
         parts += of_suite(folder, suite, its_lines, found)

@@ -52,6 +52,14 @@ def test_the_ranking_counts_failures_as_the_limit_of_time():
     assert rows[1][1] == pytest.approx((0.26 * 60.01 * 60.01) ** (1 / 3) - 0.01, rel=1e-12)
 
 
+def test_who_wins_where_and_by_what_factor():
+    said = report.where(report.problems({"data": LINES}))
+    rows = [re.findall(r"<t[hd][^>]*>([^<]*)</t[hd]>", row) for row in re.findall(r"<tr>(.*?)</tr>", said)][1:]
+    assert [(row[0], *row[3:]) for row in rows] == [("data: one", "irls", "0.11", "ceres", "2.27"),
+                                                    ("data: two", "irls", "0.03", "nobody else", "∞"),
+                                                    ("data: three", "irls", "0.5", "nobody else", "∞")]
+
+
 def test_a_profile_reaches_one_only_where_all_arrived():
     points = report.profile(report.problems({"data": LINES}), report.seconds_at_equal_cost)
     assert points["irls"] == ([1, 1, 1], [1 / 3, 2 / 3, 1])
