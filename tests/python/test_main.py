@@ -1,5 +1,6 @@
 """`python -m holdfast`: the program where there is one, and files without it."""
 import os
+import shutil
 import subprocess
 import sys
 
@@ -30,3 +31,25 @@ def test_everything_else_is_the_program():
     for arguments in (["--help"], ["solve", "--help"], ["no-such-command"]):
         ours, theirs = run(sys.executable, "-m", "holdfast", *arguments), run(program(), *arguments)
         assert (ours.returncode, ours.stdout, ours.stderr) == (theirs.returncode, theirs.stdout, theirs.stderr)
+
+
+@pytest.mark.parametrize("shell,check", [("bash", "-n"), ("zsh", "-n"), ("fish", "--no-execute")])
+def test_the_completion_is_a_script_of_its_shell(tmp_path, shell, check):
+    if program() is None:
+        pytest.skip("this build has no program `holdfast` beside the module (target holdfast_cli)")
+    if shutil.which(shell) is None:
+        pytest.skip(f"no {shell} (Debian: apt install {shell}): its completion was not read by it")
+    script = tmp_path / "completion"
+    script.write_text(run(program(), "completion", shell).stdout, encoding="utf-8")
+    assert script.stat().st_size > 500
+    read = run(shell, check, str(script))
+    assert read.returncode == 0 and not read.stderr, read.stderr
+
+
+def test_fish_offers_what_there_is(tmp_path):
+    if program() is None or shutil.which("fish") is None:
+        pytest.skip("no program beside the module, or no fish (Debian: apt install fish)")
+    script = tmp_path / "completion"
+    script.write_text(run(program(), "completion", "fish").stdout, encoding="utf-8")
+    said = run("fish", "-c", f"source {script}; complete -C 'holdfast solve --sta'; complete -C 'holdfast simu'").stdout
+    assert said.split("\t")[0] == "--start" and "simulate\t" in said
