@@ -185,7 +185,9 @@ th, td { border-bottom: 1px solid var(--line); padding: .2rem .6rem; text-align:
 td, thead th { text-align: right; } thead th:first-child { text-align: left; } summary { cursor: pointer; padding: .5rem 0; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: 0 1rem; } dd { margin: 0; overflow-wrap: anywhere; }
 .js-plotly-plot text { fill: var(--ink) !important; }
+@page { size: landscape; margin: 1cm; }
 @media print {
+  th, td { white-space: normal; overflow-wrap: anywhere; padding: .1rem .3rem; }
   :root { --ink: #000000; --paper: #ffffff; --line: #999999; }
   body { max-width: none; font-size: 11px; } .wide { overflow: visible; } button, .modebar { display: none; }
   figure { break-inside: avoid; }

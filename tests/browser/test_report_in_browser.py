@@ -32,6 +32,21 @@ def test_it_is_drawn_without_a_word_and_without_faults(tmp_path, width, scheme):
     assert traces == said and len(said) >= 6
 
 
+def test_it_fits_on_paper(tmp_path):
+    pytest.importorskip("plotly")
+    path = whole_page(tmp_path)
+    wide = {f"a_field_with_quite_a_long_name_{i}": 0.1234567 * i for i in range(12)}
+    with open(tmp_path / "online.jsonl", "a", encoding="utf-8") as file:
+        file.write(json.dumps({"window": "with many fields", "suite": "online", "commit": "abc", **wide}) + "\n")
+    assert report.main([str(tmp_path)]) is None
+    with chromium() as browser, opened(browser, path.as_uri()) as (page, _):
+        page.set_viewport_size({"width": 1047, "height": 718})  # A4, landscape, less a centimetre on each side
+        page.emulate_media(media="print", color_scheme="dark")
+        unfold(page)
+        assert page.evaluate("document.documentElement.scrollWidth") <= 1047
+        assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"  # whatever the screen is like
+
+
 def test_the_numbers_in_its_table_are_those_of_the_lines(tmp_path):
     pytest.importorskip("plotly")
     path = whole_page(tmp_path)
