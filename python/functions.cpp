@@ -1,10 +1,11 @@
 // Python functions as factors: graph/function_factor.hpp with NumPy arrays.
 #include <atomic>
+#include <holdfast/graph/detail/evaluation_error.hpp>
 #include <holdfast/graph/function_factor.hpp>
 #include <holdfast/graph/variables.hpp>
 #include <map>
 
-#include "bind.hpp"
+#include "own_loss.hpp"
 
 namespace holdfast::python {
 namespace {
@@ -68,7 +69,7 @@ struct Callee {
       if (is_vectorized) return evaluate(call, 0, static_cast<std::size_t>(call.n));
       for (int i = 0; i < call.n; ++i) evaluate(call, static_cast<std::size_t>(i), 1);
     } catch (const nb::python_error& error) {
-      if (error.matches(PyExc_KeyboardInterrupt)) was_interrupted = true;
+      note_interrupt(error);
       throw;
     }
   }
@@ -170,6 +171,11 @@ std::shared_ptr<nb::object> held(nb::object callable) {
           }};
 }
 
+void note_interrupt(const std::exception& error) {
+  const auto* raised = dynamic_cast<const nb::python_error*>(&error);
+  if (raised != nullptr && raised->matches(PyExc_KeyboardInterrupt)) was_interrupted = true;
+}
+
 void raise_interrupt() {
   if (!was_interrupted.exchange(false)) return;
   PyErr_SetNone(PyExc_KeyboardInterrupt);
@@ -182,7 +188,7 @@ void raise_function_errors(const Graph& graph) {
     // Asking waits for a function that is being called, which waits for the GIL.
     const nb::gil_scoped_release release;
     for (const auto& batch : graph.batches())
-      if (const std::string error = batch->take_error(); !error.empty() && text.empty()) text = batch->name() + ": " + error;
+      if (const std::string error = detail::take_error(*batch); !error.empty() && text.empty()) text = batch->name() + ": " + error;
   }
   raise_interrupt();
   if (!text.empty()) throw std::runtime_error(text);

@@ -3,7 +3,7 @@
 #include <holdfast/graph/max_mixture.hpp>
 #include <holdfast/graph/switchable_constraint.hpp>
 
-#include "bind.hpp"
+#include "own_loss.hpp"
 
 namespace holdfast::python {
 namespace {
@@ -86,6 +86,7 @@ void bind_losses(nb::module_& m) {
       "per_component", [](Loss loss) { return per_component(std::move(loss)); }, "loss"_a, "each component is a block of its own");
   m.def(
       "one_sided", [](Loss loss) { return one_sided(std::move(loss)); }, "loss"_a, "squared where r > 0");
+  bind_own_losses(m);
 }
 
 }  // namespace holdfast::python

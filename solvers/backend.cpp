@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <holdfast/graph/detail/evaluation_error.hpp>
 #include <holdfast/solvers/backend.hpp>
 #include <holdfast/solvers/detail/clock.hpp>
 #include <holdfast/solvers/second_order.hpp>
@@ -9,13 +10,13 @@ Summary Backend::solve(const Graph& graph, Values& values) {
   const Stopwatch watch;
   options.validate();
   if (graph.size() == 0) fail<BadProblem>("the graph has no factors; add measurements before solving");
-  for (const auto& batch : graph.batches()) batch->take_error();  // of evaluations before this solve
+  for (const auto& batch : graph.batches()) detail::take_error(*batch);  // of evaluations before this solve
   scratch_ = values;
   Summary summary = minimize(graph, scratch_);
   for (const auto& batch : graph.batches())
-    if (const std::string error = batch->take_error(); !error.empty()) {
+    if (const std::string error = detail::take_error(*batch); !error.empty()) {
       summary.termination = Termination::failed;
-      summary.rule = "a factor's function threw";
+      summary.rule = "a function of the graph threw";
       summary.culprit = batch->name() + ": " + error;
     }
   if (scratch_.structure() != values.structure()) {

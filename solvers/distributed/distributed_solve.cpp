@@ -1,4 +1,5 @@
 #include <cmath>
+#include <holdfast/graph/detail/evaluation_error.hpp>
 #include <holdfast/solvers/distributed/internal/distributed_solve.hpp>
 
 namespace holdfast::detail {
@@ -24,10 +25,10 @@ Summary solve_together(DistributedGraph& graph, const Options& options, bool gho
     throw;
   }
   for (const auto& batch : graph.graph().batches())
-    if (const std::string text = batch->take_error(); !text.empty()) error = batch->name() + ": " + text;
+    if (const std::string text = detail::take_error(*batch); !text.empty()) error = batch->name() + ": " + text;
   if (all.any(!error.empty())) {
     summary.termination = Termination::failed;
-    summary.rule = "a factor's function threw";
+    summary.rule = "a function of the graph threw";
     summary.culprit = error;
   }
   if (all.any(!summary.usable())) {

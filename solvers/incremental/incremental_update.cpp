@@ -1,6 +1,7 @@
 // Updates: what is new enters, variables that moved are linearised anew, and where that does not settle, irls solves the whole graph.
 #include <algorithm>
 #include <cmath>
+#include <holdfast/graph/detail/evaluation_error.hpp>
 #include <holdfast/solvers/detail/clock.hpp>
 #include <holdfast/solvers/incremental/internal/incremental_state.hpp>
 #include <holdfast/solvers/irls/irls.hpp>
@@ -12,7 +13,7 @@ constexpr double kFullAccuracy = 1e-7;
 
 /// What a function factor threw, to be appended; "" for the others.
 std::string said_by(const FactorBatch& batch) {
-  const std::string error = batch.take_error();
+  const std::string error = detail::take_error(batch);
   return error.empty() ? error : ": " + error;
 }
 

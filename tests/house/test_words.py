@@ -70,7 +70,6 @@ def versions(root):
     """{file: version}"""
     read = lambda file, pattern: re.search(pattern, (root / file).read_text(encoding="utf-8"))[1]
     return {"CMakeLists.txt": read("CMakeLists.txt", r"project\(holdfast VERSION ([\d.]+)"),
-            "vcpkg.json": read("vcpkg.json", r'"version": "([\d.]+)"'),
             "package.xml": read("package.xml", r"<version>([\d.]+)</version>"),
             "CITATION.cff": read("CITATION.cff", r"(?m)^version: ([\d.]+)$"),
             "CHANGELOG.md": read("CHANGELOG.md", r"(?m)^## (?:Unreleased \()?([\d.]+)"),
