@@ -51,6 +51,19 @@ bool json_goes_to_output(const CLI::App& app) {
   return false;
 }
 
+/// What is written where a command belongs and is none: "" where there is nothing to say.
+std::string unknown_command(const CLI::App& app, int argc, const char* const* argv) {
+  const char* const* const end = argv + argc;
+  const char* const* const first = std::find_if(argv + std::min(argc, 1), end, [](const char* word) { return word[0] != '-'; });
+  if (first == end) return "";
+  std::string text = std::string("there is no command '") + *first + "'; there are:";
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    if (command->get_name() == *first) return "";
+    text += " " + command->get_name();
+  }
+  return text + "; holdfast --help says what they do";
+}
+
 }  // namespace
 
 int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err) {
@@ -89,6 +102,10 @@ int run(int argc, const char* const* argv, std::ostream& out, std::ostream& err)
   const CLI::App* report_command = add_report(app, report_arguments);
   CompletionArguments completion_arguments;
   const CLI::App* completion_command = add_completion(app, completion_arguments);
+  if (const std::string unknown = unknown_command(app, argc, argv); !unknown.empty()) {
+    err << "holdfast: " << unknown << '\n';
+    return kUsage;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

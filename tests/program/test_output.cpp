@@ -42,6 +42,14 @@ TEST_F(Output, ANumberOutOfRangeIsSaidInOneShortLine) {
   EXPECT_LT(outcome.err.find('\n'), 120u) << outcome.err;
 }
 
+TEST_F(Output, ACommandThatIsNoneIsNamed) {
+  for (const std::vector<std::string>& call : std::vector<std::vector<std::string>>{{"slove", "intel.g2o"}, {"-q", "slove"}}) {
+    const Outcome outcome = holdfast_program(call);
+    EXPECT_EQ(outcome.code, kUsage);
+    EXPECT_THAT(outcome.err, ::testing::StartsWith("holdfast: there is no command 'slove'; there are: solve "));
+  }
+}
+
 TEST_F(Output, JsonOnTheStandardOutputStandsAlone) {
   const std::string file = write("two.pyfg", small_pyfg());
   const std::vector<std::vector<std::string>> calls{{"check", file},
