@@ -17,6 +17,7 @@ is what its users have. g2opy has no edge for a range. SciPy: least_squares (trf
 import argparse
 import json
 import math
+import pathlib
 import statistics
 import sys
 import time
@@ -24,6 +25,9 @@ import time
 import numpy as np
 
 import holdfast as hf
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "report"))
+from results import OURS, peers_table  # noqa: E402
 
 TOLERANCE, ITERATIONS = 1e-6, 100
 
@@ -89,7 +93,7 @@ def two_poses(problem):
 
 
 class Holdfast:
-    name, version = "holdfast irls", "this tree"
+    name, version = OURS, "this tree"
 
     def __init__(self, problem):
         self.problem = problem
@@ -477,33 +481,11 @@ def measure(peers, problem, runs):
 
 
 PEERS = [Holdfast, Gtsam, GtsamGaussNewton, GtsamDogleg, Pyceres, G2o, G2oGaussNewton, G2oDogleg, Scipy]
-SAME = 1e-3  # relative, of costs at the end: libraries that minimise another cost end a little higher
-
-
-def ratios(lines):
-    """{(problem, library): seconds over holdfast's, of its fastest method that ends at the best cost; infinite: none does}"""
-    found = {}
-    for problem in dict.fromkeys(line["problem"] for line in lines):
-        ended = [line for line in lines if line["problem"] == problem and "seconds" in line]
-        best = min(line["cost"] for line in ended)
-        ours = next(line["seconds"] for line in ended if line["method"] == Holdfast.name)
-        for line in ended:
-            key = (problem, line["method"].partition(",")[0])
-            arrived = line["cost"] <= (1 + SAME) * best
-            found[key] = min(found.get(key, math.inf), line["seconds"] / ours if arrived else math.inf)
-    return found
-
 
 def table(lines):
     """The ratios in Markdown."""
-    found = ratios(lines)
-    names = list(dict.fromkeys(line["method"].partition(",")[0] for line in lines))
-    rows = ["| problem | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
-    for problem in dict.fromkeys(line["problem"] for line in lines):
-        cells = [found.get((problem, name)) for name in names]
-        rows.append(f"| {problem.partition('.')[0]} | " + " | ".join(
-            "–" if cell is None else "no" if math.isinf(cell) else f"{cell:.1f}" if cell < 10 else f"{cell:,.0f}" for cell in cells) + " |")
-    return "\n".join(rows)
+    titles, rows = peers_table(lines)
+    return "\n".join(["| " + " | ".join(titles) + " |", "|---" * len(titles) + "|", *("| " + " | ".join(row) + " |" for row in rows)])
 
 
 def main():

@@ -16,7 +16,7 @@ import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from figures import errors_over_time, figure, folded, from_above, number, steps_over_time, table  # noqa: E402
-from results import (SAME_COST, SHIFT, columns, drawings, ended, excess, problems, profile, ranking, read,  # noqa: E402
+from results import (OURS, SAME_COST, SHIFT, columns, drawings, ended, excess, peers_table, problems, profile, ranking, read,  # noqa: E402
                      seconds_at_equal_cost, stem, steps_of_profile, write_csv)
 
 
@@ -234,6 +234,10 @@ def of_suite(folder, suite, lines, found):
         return [robust(lines)]
     if suite.startswith("papers"):
         return [paper(suite, lines)]
+    if suite == "peers":
+        caption = (f"Seconds over those of {OURS}, of the fastest method of each library that ends at the best cost (no: none does; "
+                   "–: it has no factor for it)")
+        return [table(*peers_table(lines), caption), plain(suite, lines)]
     return ([plain(suite, lines)] + [errors_over_time(line) for line in lines if line.get("errors")]
             + [steps_over_time(line) for line in lines if line.get("over_time")])
 

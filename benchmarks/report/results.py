@@ -6,6 +6,8 @@ import os
 import statistics
 
 SAME_COST = 1e-6  # relative: two costs that are one (common/report.hpp, kSameCost)
+OURS = "holdfast irls"  # of the lines of benchmarks/peers
+SAME_OF_PEERS = 1e-3  # relative: libraries that minimise another cost end a little higher
 SHIFT = 0.01  # [s] of the shifted geometric mean: below it, differences hardly count
 
 
@@ -115,6 +117,34 @@ def drawings(folder, suite):
             if drawing["suite"] == suite:
                 found.append(drawing)
     return found
+
+
+def peer_ratios(lines):
+    """{(problem, library): seconds over ours, of its fastest method that ends at the best cost; infinite: none does}"""
+    found = {}
+    for problem in dict.fromkeys(line["problem"] for line in lines):
+        ended = [line for line in lines if line["problem"] == problem and "seconds" in line]
+        if not any(line["method"] == OURS for line in ended):
+            continue
+        best = min(line["cost"] for line in ended)
+        ours = next(line["seconds"] for line in ended if line["method"] == OURS)
+        for line in ended:
+            key = (problem, line["method"].partition(",")[0])
+            arrived = line["cost"] <= (1 + SAME_OF_PEERS) * best
+            found[key] = min(found.get(key, math.inf), line["seconds"] / ours if arrived else math.inf)
+    return found
+
+
+def peers_table(lines):
+    """(titles, rows) of the ratios. no: no method ends at the best cost; –: it has not the factors, or is not there."""
+    found = peer_ratios(lines)
+    names = list(dict.fromkeys(line["method"].partition(",")[0] for line in lines))
+    rows = []
+    for problem in dict.fromkeys(line["problem"] for line in lines):
+        cells = [found.get((problem, name)) for name in names]
+        rows.append([problem.partition(".")[0]] + ["–" if cell is None else "no" if math.isinf(cell) else f"{cell:.1f}" if cell < 10 else
+                                                   f"{cell:,.0f}" for cell in cells])
+    return ["problem", *names], rows
 
 
 def columns(lines):

@@ -101,6 +101,15 @@ def test_the_page_holds_the_numbers_and_fetches_nothing(tmp_path):
     assert not re.search(r"(src|href)=['\"]?https?:", head + re.sub(r"<script.*?</script>", "", body, flags=re.S))
 
 
+def test_other_libraries_are_shown_by_ratio(tmp_path):
+    pytest.importorskip("plotly")
+    write(tmp_path, "peers", [{"suite": "peers", "problem": "a.g2o", "method": method, "seconds": seconds, "cost": 10.0}
+                              for method, seconds in (("holdfast irls", 2.0), ("GTSAM", 9.0), ("GTSAM, dogleg", 7.0), ("g2o", 26.0))])
+    assert report.main([str(tmp_path)]) is None
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert "<th scope=row>a</th><td>1.0</td><td>3.5</td><td>13</td>" in page
+
+
 def test_a_folder_without_results_is_refused_with_a_cure(tmp_path):
     done = subprocess.run([sys.executable, str(SCRIPT), str(tmp_path)], capture_output=True, text=True, check=False)
     assert done.returncode == 1 and "run scripts/bench first" in done.stderr
