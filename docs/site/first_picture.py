@@ -83,7 +83,7 @@ def svg(path):
             parts.append(f'<circle cx="{x}" cy="{y}" r="5" fill="{colour}"/>')
     bottom = TOP + HEIGHT + 22
     for at, colour, width, words in ((20, "#999999", 3, "true way"), (110, "#d55e00", 2, "answer and beacons, squared"),
-                                     (320, "#0072b2", 2, "answer and beacons, gnc-irls"), (540, "#cc79a7", 1, "ranges it rejects")):
+                                     (345, "#0072b2", 2, "answer and beacons, gnc-irls"), (575, "#cc79a7", 1, "ranges it rejects")):
         parts.append(f'<path d="M{at} {bottom}h22" stroke="{colour}" stroke-width="{width}"/><text x="{at + 28}" y="{bottom + 4}" '
                      f'font-size="12">{words}</text>')
     body = "\n".join(parts).replace("<text", '<text stroke="none" fill="#222222"')
