@@ -2,7 +2,7 @@
 include(CMakePackageConfigHelpers)
 
 # Eigen's matrices of run-time size are allocated by one side and freed by the other, and how depends on EIGEN_MAX_ALIGN_BYTES, which
-# follows -march. So whoever links the installed library compiles with the value it was compiled with (fixed-size types are never
+# follows -march. So whoever links the library from outside compiles with the value it was compiled with (fixed-size types are never
 # aligned: graph/math.hpp). A program built with -march=native then works as it is.
 if(NOT DEFINED HOLDFAST_EIGEN_ALIGN)
   include(CheckCXXSourceCompiles)
@@ -17,7 +17,11 @@ if(NOT DEFINED HOLDFAST_EIGEN_ALIGN)
   endforeach()
   unset(CMAKE_REQUIRED_INCLUDES)
 endif()
-target_compile_definitions(holdfast INTERFACE $<INSTALL_INTERFACE:EIGEN_MAX_ALIGN_BYTES=${HOLDFAST_EIGEN_ALIGN}>)
+if(PROJECT_IS_TOP_LEVEL)  # in its own build tree every target has the same flags
+  target_compile_definitions(holdfast INTERFACE $<INSTALL_INTERFACE:EIGEN_MAX_ALIGN_BYTES=${HOLDFAST_EIGEN_ALIGN}>)
+else()
+  target_compile_definitions(holdfast INTERFACE EIGEN_MAX_ALIGN_BYTES=${HOLDFAST_EIGEN_ALIGN})
+endif()
 
 set(installed holdfast)
 foreach(part IN LISTS HOLDFAST_PARTS)
@@ -52,7 +56,11 @@ if(HOLDFAST_WITH_METIS)
   string(PREPEND HOLDFAST_PC_LIBS "-lmetis ")
 endif()
 if(HOLDFAST_WITH_CERES)
-  string(PREPEND HOLDFAST_PC_LIBS "-lceres -lglog ")
+  get_target_property(ceres_links Ceres::ceres INTERFACE_LINK_LIBRARIES)
+  if(ceres_links MATCHES "glog")  # from 2.3 on Ceres logs by Abseil
+    string(PREPEND HOLDFAST_PC_LIBS "-lglog ")
+  endif()
+  string(PREPEND HOLDFAST_PC_LIBS "-lceres ")
 endif()
 foreach(folder IN ITEMS INCLUDEDIR LIBDIR)
   if(IS_ABSOLUTE "${CMAKE_INSTALL_${folder}}")
@@ -70,28 +78,3 @@ install(FILES ${PROJECT_BINARY_DIR}/holdfast.pc DESTINATION ${CMAKE_INSTALL_LIBD
 
 # What colcon and rosdep know a package by.
 install(FILES package.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/holdfast)
-
-# cpack -G DEB: one development package.
-set(CPACK_PACKAGE_NAME libholdfast-dev)
-set(CPACK_PACKAGE_VENDOR holdfast)
-set(CPACK_PACKAGE_CONTACT "the holdfast developers <holdfast@example.org>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
-set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
-set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
-set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PACKAGE_SECTION libdevel)
-set(depends "libeigen3-dev")
-if(HOLDFAST_WITH_CERES)
-  string(APPEND depends ", libceres-dev, libgoogle-glog-dev")
-endif()
-if(HOLDFAST_WITH_METIS)
-  string(APPEND depends ", libmetis-dev")
-endif()
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "${depends}")
-if(HOLDFAST_WITH_MRPT)
-  set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libmrpt-graphs-dev, libmrpt-poses-dev, libmrpt-obs-dev")
-endif()
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)  # of the program
-set(CPACK_STRIP_FILES ON)
-include(CPack)

@@ -1,6 +1,11 @@
 // The same graph as a ceres::Problem: what test_backends_every_factor.cpp leaves open.
-#include <glog/logging.h>
+#include <ceres/version.h>
 #include <gtest/gtest.h>
+
+#if CERES_VERSION_MAJOR == 2 && CERES_VERSION_MINOR < 3
+#define HOLDFAST_CERES_LOGS_BY_GLOG 1  // later ones log by Abseil
+#include <glog/logging.h>
+#endif
 
 #include <holdfast/solvers/ceres/ceres.hpp>
 
@@ -44,6 +49,9 @@ TEST(Ceres, CountsWhatOnlyFixedVariablesCost) {
 
 // Ceres warns of a singular matrix. The log is the program's: its level stays as the program set it, and then holds.
 TEST(Ceres, LeavesTheLevelOfTheLogToTheProgram) {
+#ifndef HOLDFAST_CERES_LOGS_BY_GLOG
+  GTEST_SKIP() << "Ceres " << CERES_VERSION_STRING << " logs by Abseil";
+#else
   Graph graph;
   graph.add(Between<Point2>::from_sigmas(Point2(1, 0), Vector<2>(0.1, 0.1)), {Key('A', 0), Key('A', 1)});
   Values values;
@@ -58,6 +66,7 @@ TEST(Ceres, LeavesTheLevelOfTheLogToTheProgram) {
     EXPECT_EQ(FLAGS_minloglevel, chosen);
   }
   FLAGS_minloglevel = level;
+#endif
 }
 
 TEST(Ceres, VariantsDifferInTheWayNotInTheEnd) {
