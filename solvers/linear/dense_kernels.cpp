@@ -69,6 +69,13 @@ HOLDFAST_INLINE void outer(int m, int k, const double* A, int lda, double* C, in
   }
 }
 
+// C = −A Bᵀ, all of it.
+HOLDFAST_INLINE void product(int m, int n, int k, const double* A, int lda, const double* B, int ldb, double* C, int ldc) {
+  int j = 0;
+  for (; j + 4 <= n; j += 4) tile_columns<true, 4>(m, k, A, lda, B + j, ldb, C + static_cast<long>(j) * ldc, ldc);
+  for (; j < n; ++j) tile_columns<true, 1>(m, k, A, lda, B + j, ldb, C + static_cast<long>(j) * ldc, ldc);
+}
+
 // Four times V rows of B ← B L⁻ᵀ, L: b × b, lower.
 template <int V>
 HOLDFAST_INLINE void solve_tile(int b, const double* L, double* B, int ld, const double* inverse_pivots) {
@@ -180,12 +187,15 @@ HOLDFAST_INLINE void backward_of(int n, int k, const double* panel, int ld, doub
 }
 
 // One set of entry points a vector unit.
-#define HOLDFAST_KERNELS(suffix, target)                                                                                 \
-  target bool panel_##suffix(int n, int k, double* panel, int ld) { return panel_of(n, k, panel, ld); }                  \
-  target void outer_##suffix(int m, int k, const double* A, int lda, double* C, int ldc, int first, int last) {          \
-    outer<true>(m, k, A, lda, C, ldc, first, last);                                                                      \
-  }                                                                                                                      \
-  target void forward_##suffix(int n, int k, const double* panel, int ld, double* x) { forward_of(n, k, panel, ld, x); } \
+#define HOLDFAST_KERNELS(suffix, target)                                                                                      \
+  target bool panel_##suffix(int n, int k, double* panel, int ld) { return panel_of(n, k, panel, ld); }                       \
+  target void outer_##suffix(int m, int k, const double* A, int lda, double* C, int ldc, int first, int last) {               \
+    outer<true>(m, k, A, lda, C, ldc, first, last);                                                                           \
+  }                                                                                                                           \
+  target void product_##suffix(int m, int n, int k, const double* A, int lda, const double* B, int ldb, double* C, int ldc) { \
+    product(m, n, k, A, lda, B, ldb, C, ldc);                                                                                 \
+  }                                                                                                                           \
+  target void forward_##suffix(int n, int k, const double* panel, int ld, double* x) { forward_of(n, k, panel, ld, x); }      \
   target void backward_##suffix(int n, int k, const double* panel, int ld, double* x) { backward_of(n, k, panel, ld, x); }
 
 HOLDFAST_KERNELS(baseline, )
@@ -196,6 +206,7 @@ HOLDFAST_KERNELS(avx2, HOLDFAST_AVX2)
 struct Kernels {
   bool (*panel)(int, int, double*, int) = panel_baseline;
   void (*outer)(int, int, const double*, int, double*, int, int, int) = outer_baseline;
+  void (*product)(int, int, int, const double*, int, const double*, int, double*, int) = product_baseline;
   void (*forward)(int, int, const double*, int, double*) = forward_baseline;
   void (*backward)(int, int, const double*, int, double*) = backward_baseline;
 
@@ -204,6 +215,7 @@ struct Kernels {
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
       panel = panel_avx2;
       outer = outer_avx2;
+      product = product_avx2;
       forward = forward_avx2;
       backward = backward_avx2;
     }
@@ -218,6 +230,10 @@ bool factor_panel(int n, int k, double* panel, int ld) { return kernels.panel(n,
 
 void negative_outer(int m, int k, const double* A, int lda, double* C, int ldc, int first, int last) {
   kernels.outer(m, k, A, lda, C, ldc, first, last);
+}
+
+void negative_product(int m, int n, int k, const double* A, int lda, const double* B, int ldb, double* C, int ldc) {
+  kernels.product(m, n, k, A, lda, B, ldb, C, ldc);
 }
 
 void forward(int n, int k, const double* panel, int ld, double* x) { kernels.forward(n, k, panel, ld, x); }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <holdfast/graph/observability.hpp>
+#include <holdfast/solvers/linear/internal/dense_kernels.hpp>
 #include <holdfast/solvers/linear/internal/selected_inverse.hpp>
 
 namespace holdfast {
@@ -9,8 +10,15 @@ namespace {
 
 using Eigen::Lower;
 using Eigen::MatrixXd;
-using Eigen::OnTheRight;
 using Eigen::VectorXd;
+using Padded = Eigen::Map<MatrixXd>;
+
+/// A matrix of `rows` (a leading dimension) × `columns` in a buffer, with what the kernels read and write beyond it.
+Padded padded(std::vector<double>& buffer, int rows, int columns) {
+  const std::size_t size = static_cast<std::size_t>(rows) * (columns + 1);
+  if (buffer.size() < size) buffer.resize(size);
+  return {buffer.data(), rows, columns};
+}
 
 constexpr int kBlock = 48;       // columns eliminated before the rest of the front is updated
 constexpr double kMoves = 1e-6;  // of the largest entry, in that metric: what a null vector does not move
@@ -37,11 +45,14 @@ void SelectedInverse::make_fronts() {
     front.first_scalar = pattern_.offsets[supernode.first];
     front.k = supernode.k;
     front.n = supernode.n;
+    front.ld = dense::leading_dimension(front.n);
+    front.parent = supernode.parent;
     std::fill(front_of_.begin() + supernode.first, front_of_.begin() + supernode.last, static_cast<int>(s));
     int row = front.k;
     for (int block : supernode.rows) {
       front.row_begin.push_back(row);
       row += pattern_.dims[block];
+      for (int c = 0; c < pattern_.dims[block]; ++c) front.scalars.push_back(pattern_.offsets[block] + c);
     }
     front.first_descendant = static_cast<int>(s);
     for (int c : front.children) front.first_descendant = std::min(front.first_descendant, fronts_[c].first_descendant);
@@ -57,42 +68,80 @@ int SelectedInverse::row_in_front(int s, int block) const {
   return it != supernode.rows.end() && *it == block ? fronts_[s].row_begin[it - supernode.rows.begin()] : -1;
 }
 
+// Where the rows below a front, from the given one on, are in a front above that has them.
+std::vector<int> SelectedInverse::places_in(const Front& above, const Front& front, std::size_t from) const {
+  std::vector<int> places;
+  places.reserve(front.scalars.size() - from);
+  std::size_t at = 0;
+  for (std::size_t r = from; r < front.scalars.size(); ++r) {
+    const int own = front.scalars[r] - above.first_scalar;
+    if (own < above.k) {
+      places.push_back(own);
+      continue;
+    }
+    while (above.scalars[at] != front.scalars[r]) ++at;
+    places.push_back(above.k + static_cast<int>(at));
+  }
+  return places;
+}
+
 void SelectedInverse::factor(const std::vector<double>& H) {
   std::vector<MatrixXd> updates(fronts_.size());
   for (std::size_t s = 0; s < fronts_.size(); ++s) {
     Front& front = fronts_[s];
-    MatrixXd F = assemble(static_cast<int>(s), H, updates);
-    eliminate(static_cast<int>(s), F);
-    front.L = F.leftCols(front.k);
-    updates[s] = F.bottomRightCorner(front.n - front.k, front.n - front.k);
+    const int k = front.k, m = front.n - k;
+    assemble(static_cast<int>(s), H, updates);
+    const Padded F = padded(front_, front.ld, front.n);
+    if (!eliminate_at_once(static_cast<int>(s))) {
+      MatrixXd slow = F.topRows(front.n);
+      eliminate(static_cast<int>(s), slow);
+      front.L.topLeftCorner(front.n, k) = slow.leftCols(k);
+      if (m > 0) updates[s] = slow.bottomRightCorner(m, m);
+    } else if (m > 0) {
+      const int ld = dense::leading_dimension(m);
+      MatrixXd& update = updates[s];
+      update.resize(ld, m + 1);
+      dense::negative_outer(m, k, front.L.data() + k, front.ld, update.data(), ld, 0, m);
+      for (int c = 0; c < m; ++c) update.col(c).segment(c, m - c) += F.col(k + c).segment(k + c, m - c);
+    }
   }
 }
 
-// Lower triangle: the own columns of H, and what the children leave.
-MatrixXd SelectedInverse::assemble(int s, const std::vector<double>& H, std::vector<MatrixXd>& updates) {
+// Into front_, lower triangle: the own columns of H, and what the children leave.
+void SelectedInverse::assemble(int s, const std::vector<double>& H, std::vector<MatrixXd>& updates) {
   const Symbolic::Supernode& supernode = symbolic_.supernodes[s];
-  MatrixXd F = MatrixXd::Zero(fronts_[s].n, fronts_[s].n);
+  const Front& front = fronts_[s];
+  Padded F = padded(front_, front.ld, front.n);
+  F.setZero();
   for (int column = supernode.first; column < supernode.last; ++column)
     for (int b = pattern_.column_begin[column]; b < pattern_.column_begin[column + 1]; ++b) {
       const int rows = pattern_.dims[pattern_.rows[b]], cols = pattern_.dims[column];
-      F.block(row_in_front(s, pattern_.rows[b]), row_in_front(s, column), rows, cols) =
-          Eigen::Map<const MatrixXd>(H.data() + pattern_.block_begin[b], rows, cols);
+      const double* from = H.data() + pattern_.block_begin[b];
+      const int to = row_in_front(s, pattern_.rows[b]), first = pattern_.offsets[column] - front.first_scalar;
+      for (int c = 0; c < cols; ++c, from += rows) std::copy_n(from, rows, &F(to, first + c));
     }
-  for (int c : fronts_[s].children) {
-    const std::vector<int>& blocks = symbolic_.supernodes[c].rows;
-    std::vector<int> to, from;
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      to.push_back(row_in_front(s, blocks[i]));
-      from.push_back(fronts_[c].row_begin[i] - fronts_[c].k);
+  for (int child : front.children) {
+    const std::vector<int> to = places_in(front, fronts_[child], 0);
+    const int m = static_cast<int>(to.size());
+    for (int c = 0; c < m; ++c) {
+      const double* const from = &updates[child](0, c);
+      double* const column = &F(0, to[c]);
+      for (int r = c; r < m; ++r) column[to[r]] += from[r];
     }
-    for (std::size_t j = 0; j < blocks.size(); ++j)
-      for (std::size_t i = j; i < blocks.size(); ++i) {
-        const int rows = pattern_.dims[blocks[i]], cols = pattern_.dims[blocks[j]];
-        F.block(to[i], to[j], rows, cols) += updates[c].block(from[i], from[j], rows, cols);
-      }
-    updates[c].resize(0, 0);
+    updates[child].resize(0, 0);
   }
-  return F;
+}
+
+// By the dense kernels, into the front's L. False where a pivot is so small that it may be none.
+bool SelectedInverse::eliminate_at_once(int s) {
+  Front& front = fronts_[s];
+  const Padded F = padded(front_, front.ld, front.n);
+  front.L.resize(front.ld, front.k + 1);
+  front.L.leftCols(front.k) = F.leftCols(front.k);
+  if (!dense::factor_panel(front.n, front.k, front.L.data(), front.ld)) return false;
+  for (int c = 0; c < front.k; ++c)
+    if (!(front.L(c, c) * front.L(c, c) > detail::kSuspectPivot * diagonal_[front.first_scalar + c])) return false;
+  return true;
 }
 
 void SelectedInverse::eliminate(int s, MatrixXd& F) {
@@ -134,8 +183,8 @@ double SelectedInverse::extend_to_null_vector(int s, const MatrixXd& F, int colu
   null_[front.first_scalar + column] = 1;
   for (int t = s - 1; t >= front.first_descendant; --t) {
     const Front& f = fronts_[t];
-    VectorXd x = -f.L.bottomRows(f.n - f.k).transpose() * below(f, symbolic_.supernodes[t], null_);
-    f.L.topRows(f.k).triangularView<Lower>().transpose().solveInPlace(x);
+    VectorXd x = -f.L_below().transpose() * at_below(f, null_);
+    f.L_own_transposed().solveInPlace(x);
     null_.segment(f.first_scalar, f.k) = x;
   }
   const int begin = fronts_[front.first_descendant].first_scalar, size = front.first_scalar + column + 1 - begin;
@@ -154,30 +203,53 @@ void SelectedInverse::note_free(int begin, int pivot) {
       if (std::abs(null_[i]) * std::sqrt(diagonal_[i]) > kMoves * largest) free_[b] = true;
 }
 
+// Z_own and Z_below of a front, those above it done. With V = Wᵀ = L_own⁻ᵀ L_belowᵀ: Z_below = −Z_below,below Vᵀ and
+// Z_own = L_own⁻ᵀ L_own⁻¹ − V Z_below. The kernel gives −A Bᵀ.
 void SelectedInverse::invert(int s) {
   Front& front = fronts_[s];
-  const Symbolic::Supernode& supernode = symbolic_.supernodes[s];
-  const int k = front.k, m = front.n - front.k;
-  const auto L_own = front.L.topRows(k).triangularView<Lower>();
-  MatrixXd inverse = MatrixXd::Identity(k, k);
-  L_own.solveInPlace(inverse);
-  front.Z.resize(front.n, k);
-  front.Z.topRows(k).noalias() = inverse.transpose() * inverse;
-  if (m == 0) return;  // a root
+  const int k = front.k, m = front.n - front.k, ldk = dense::leading_dimension(k);
+  Padded inverse = padded(inverse_, k, k), turned = padded(turned_, ldk, k), own = padded(own_, ldk, k);
+  inverse.setIdentity();
+  front.L_own().solveInPlace(inverse);
+  turned.topRows(k) = -inverse.transpose();
+  dense::negative_product(k, k, k, turned.data(), ldk, turned.data(), ldk, own.data(), ldk);
+  front.Z.resize(front.ld, k + 1);
+  if (m == 0) {  // a root
+    front.Z.topLeftCorner(k, k) = -own.topRows(k);
+    return;
+  }
+  const int ldm = dense::leading_dimension(m);
+  Padded V = padded(V_, ldk, m), Z_below = padded(Z_below_, ldk, m);
+  gather_below(front, ldm);
+  dense::negative_product(k, m, k, turned.data(), ldk, front.L.data() + k, front.ld, V.data(), ldk);
+  dense::negative_product(m, k, m, below_.data(), ldm, V.data(), ldk, front.Z.data() + k, front.ld);
+  Z_below.topRows(k) = front.Z.block(k, 0, m, k).transpose();
+  dense::negative_product(k, k, m, V.data(), ldk, Z_below.data(), ldk, turned.data(), ldk);
+  for (int c = 0; c < k; ++c)
+    for (int r = c; r < k; ++r) front.Z(r, c) = front.Z(c, r) = 0.5 * (turned(r, c) + turned(c, r)) - 0.5 * (own(r, c) + own(c, r));
+}
 
-  MatrixXd Z_below(m, m);  // lower triangle
-  for (std::size_t j = 0; j < supernode.rows.size(); ++j) {
-    const int above = front_of_[supernode.rows[j]];
-    for (std::size_t i = j; i < supernode.rows.size(); ++i) {
-      const auto block = stored(above, supernode.rows[i], supernode.rows[j]);
-      Z_below.block(front.row_begin[i] - k, front.row_begin[j] - k, block.rows(), block.cols()) = block;
+// Into below_: Z where the rows below a front meet, from the fronts above that own them.
+void SelectedInverse::gather_below(const Front& front, int ld) {
+  const std::size_t m = front.scalars.size();
+  Padded Z = padded(below_, ld, static_cast<int>(m));
+  const auto front_of = [&](std::size_t row) {
+    const auto block =
+        std::upper_bound(pattern_.offsets.begin(), pattern_.offsets.end(), front.scalars[row]) - pattern_.offsets.begin() - 1;
+    return front_of_[static_cast<std::size_t>(block)];
+  };
+  for (std::size_t c = 0; c < m;) {
+    const Front& above = fronts_[front_of(c)];
+    const std::size_t first = c;
+    const std::vector<int> places = places_in(above, front, first);
+    for (; c < m && front.scalars[c] < above.first_scalar + above.k; ++c) {
+      const double* const from = &above.Z(0, places[c - first]);
+      for (std::size_t r = c; r < m; ++r) {
+        const auto row = static_cast<Eigen::Index>(r), column = static_cast<Eigen::Index>(c);
+        Z(row, column) = Z(column, row) = from[places[r - first]];
+      }
     }
   }
-  MatrixXd W = front.L.bottomRows(m);
-  L_own.solveInPlace<OnTheRight>(W);
-  front.Z.bottomRows(m).noalias() = -(Z_below.selfadjointView<Lower>() * W);
-  const MatrixXd Z_own = front.Z.topRows(k) - W.transpose() * front.Z.bottomRows(m);
-  front.Z.topRows(k) = 0.5 * (Z_own + Z_own.transpose());
 }
 
 // Block (row, column) of a front that owns `column`, row >= column.
@@ -188,40 +260,39 @@ Eigen::Block<const MatrixXd> SelectedInverse::stored(int s, int row, int column)
 MatrixXd SelectedInverse::block(int row, int column) const {
   const int first = std::min(row, column), last = std::max(row, column), s = front_of_[first];
   if (row_in_front(s, last) >= 0) return row == last ? MatrixXd(stored(s, last, first)) : MatrixXd(stored(s, last, first).transpose());
-  MatrixXd result(pattern_.dims[row], pattern_.dims[column]);
-  for (int c = 0; c < result.cols(); ++c) {
-    VectorXd x = VectorXd::Unit(pattern_.scalar_size(), pattern_.offsets[column] + c);
-    solve_in_place(x);
-    result.col(c) = x.segment(pattern_.offsets[row], pattern_.dims[row]);
-  }
-  return result;
+  return solve_for(row, column);
 }
 
 // The entries of x in the rows below a front's own.
-VectorXd SelectedInverse::below(const Front& front, const Symbolic::Supernode& supernode, const VectorXd& x) const {
-  VectorXd rows(front.n - front.k);
-  for (std::size_t i = 0; i < supernode.rows.size(); ++i)
-    rows.segment(front.row_begin[i] - front.k, pattern_.dims[supernode.rows[i]]) =
-        x.segment(pattern_.offsets[supernode.rows[i]], pattern_.dims[supernode.rows[i]]);
+MatrixXd SelectedInverse::at_below(const Front& front, const MatrixXd& x) {
+  MatrixXd rows(front.n - front.k, x.cols());
+  for (Eigen::Index c = 0; c < x.cols(); ++c)
+    for (std::size_t r = 0; r < front.scalars.size(); ++r) rows(static_cast<Eigen::Index>(r), c) = x(front.scalars[r], c);
   return rows;
 }
 
-void SelectedInverse::solve_in_place(VectorXd& x) const {
-  for (std::size_t s = 0; s < fronts_.size(); ++s) {  // L y = b
+// L Lᵀ x = e of the columns of a block: L y = e changes the fronts from the column's to the root alone, and the row's x needs those from the
+// root down to its own.
+MatrixXd SelectedInverse::solve_for(int row, int column) const {
+  MatrixXd x = MatrixXd::Zero(pattern_.scalar_size(), pattern_.dims[column]);
+  x.middleRows(pattern_.offsets[column], pattern_.dims[column]).setIdentity();
+  for (int s = front_of_[column]; s >= 0; s = fronts_[s].parent) {
     const Front& f = fronts_[s];
-    auto own = x.segment(f.first_scalar, f.k);
-    f.L.topRows(f.k).triangularView<Lower>().solveInPlace(own);
-    const VectorXd update = f.L.bottomRows(f.n - f.k) * own;
-    const std::vector<int>& rows = symbolic_.supernodes[s].rows;
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      x.segment(pattern_.offsets[rows[i]], pattern_.dims[rows[i]]) -= update.segment(f.row_begin[i] - f.k, pattern_.dims[rows[i]]);
+    auto own = x.middleRows(f.first_scalar, f.k);
+    f.L_own().solveInPlace(own);
+    const MatrixXd update = f.L_below() * own;
+    for (Eigen::Index c = 0; c < x.cols(); ++c)
+      for (std::size_t r = 0; r < f.scalars.size(); ++r) x(f.scalars[r], c) -= update(static_cast<Eigen::Index>(r), c);
   }
-  for (std::size_t s = fronts_.size(); s-- > 0;) {  // Lᵀ x = y
-    const Front& f = fronts_[s];
-    auto own = x.segment(f.first_scalar, f.k);
-    own -= f.L.bottomRows(f.n - f.k).transpose() * below(f, symbolic_.supernodes[s], x);
-    f.L.topRows(f.k).triangularView<Lower>().transpose().solveInPlace(own);
+  std::vector<int> way;
+  for (int s = front_of_[row]; s >= 0; s = fronts_[s].parent) way.push_back(s);
+  for (auto s = way.rbegin(); s != way.rend(); ++s) {
+    const Front& f = fronts_[*s];
+    auto own = x.middleRows(f.first_scalar, f.k);
+    own -= f.L_below().transpose() * at_below(f, x);
+    f.L_own_transposed().solveInPlace(own);
   }
+  return x.middleRows(pattern_.offsets[row], pattern_.dims[row]);
 }
 
 }  // namespace holdfast

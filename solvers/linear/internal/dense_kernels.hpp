@@ -14,6 +14,9 @@ bool factor_panel(int n, int k, double* panel, int ld);
 /// Columns [first, last) of C = −A Aᵀ, lower triangle; A: m × k, k ≥ 1; first a multiple of 4.
 void negative_outer(int m, int k, const double* A, int lda, double* C, int ldc, int first, int last);
 
+/// C = −A Bᵀ; A: m × k, B: n × k, C: m × n, k ≥ 1.
+void negative_product(int m, int n, int k, const double* A, int lda, const double* B, int ldb, double* C, int ldc);
+
 /// x[0, k) ← L11⁻¹ x[0, k), then x[k, n) −= L21 x[0, k).
 void forward(int n, int k, const double* panel, int ld, double* x);
 

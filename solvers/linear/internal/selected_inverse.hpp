@@ -22,38 +22,50 @@ class SelectedInverse {
 
   /// Some null vector of H moves this block.
   bool is_free(int block) const { return free_[block]; }
-  /// dims[row] × dims[column] of the (generalised) inverse. O(block) where the factor has that block, else O(factor · dims[column]).
+  /// dims[row] × dims[column] of the (generalised) inverse. O(block) where the factor has that block, else a solve for each of
+  /// dims[column] along the ways from both blocks' fronts to the root.
   Eigen::MatrixXd block(int row, int column) const;
 
  private:
   struct Front {
     int first_scalar, k, n;
+    int ld;  ///< of L and Z (dense_kernels.hpp)
+    int parent;
     int first_descendant;  ///< fronts [first_descendant, this] are its subtree
     std::vector<int> children;
     std::vector<int> row_begin;  ///< of each block of Supernode::rows, in the front
-    Eigen::MatrixXd L, Z;        ///< n × k
+    std::vector<int> scalars;    ///< of each row below the own ones, in the problem
+    Eigen::MatrixXd L, Z;        ///< n × k; in ld × (k + 1), for the kernels read and write a little more
+
+    auto L_own() const { return L.topLeftCorner(k, k).triangularView<Eigen::Lower>(); }
+    auto L_own_transposed() const { return L.topLeftCorner(k, k).transpose().triangularView<Eigen::Upper>(); }
+    auto L_below() const { return L.block(k, 0, n - k, k); }
   };
 
   void make_fronts();
   void factor(const std::vector<double>& H);
-  Eigen::MatrixXd assemble(int s, const std::vector<double>& H, std::vector<Eigen::MatrixXd>& updates);
+  void assemble(int s, const std::vector<double>& H, std::vector<Eigen::MatrixXd>& updates);
+  bool eliminate_at_once(int s);
   void eliminate(int s, Eigen::MatrixXd& F);
   bool pivot_vanishes(int s, const Eigen::MatrixXd& F, int column);
   double extend_to_null_vector(int s, const Eigen::MatrixXd& F, int column);
   void note_free(int begin, int pivot);
   void invert(int s);
+  void gather_below(const Front& front, int ld);
+  std::vector<int> places_in(const Front& above, const Front& front, std::size_t from) const;
   int row_in_front(int s, int block) const;
   Eigen::Block<const Eigen::MatrixXd> stored(int s, int row, int column) const;
-  Eigen::VectorXd below(const Front& front, const Symbolic::Supernode& supernode, const Eigen::VectorXd& x) const;
-  void solve_in_place(Eigen::VectorXd& x) const;
+  static Eigen::MatrixXd at_below(const Front& front, const Eigen::MatrixXd& x);
+  Eigen::MatrixXd solve_for(int row, int column) const;
 
   Symbolic symbolic_;
   BlockPattern pattern_;
   std::vector<Front> fronts_;
-  std::vector<int> front_of_;  ///< by block
-  std::vector<bool> free_;     ///< by block
-  Eigen::VectorXd diagonal_;   ///< of H
-  Eigen::VectorXd null_;       ///< a null vector at work; zero between uses
+  std::vector<int> front_of_;                                                 ///< by block
+  std::vector<bool> free_;                                                    ///< by block
+  Eigen::VectorXd diagonal_;                                                  ///< of H
+  Eigen::VectorXd null_;                                                      ///< a null vector at work; zero between uses
+  std::vector<double> front_, inverse_, turned_, V_, below_, Z_below_, own_;  ///< of the front at hand, at least as large as it
 };
 
 }  // namespace holdfast

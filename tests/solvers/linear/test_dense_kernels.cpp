@@ -52,6 +52,22 @@ TEST(DenseKernels, PartialFactorAndUpdateAreThoseOfTheWholeCholesky) {
     }
 }
 
+TEST(DenseKernels, ProductsAreThoseOfMatrices) {
+  std::mt19937_64 rng(5);
+  std::normal_distribution<double> normal;
+  const auto random = [&](int rows, int columns) { return MatrixXd(MatrixXd::NullaryExpr(rows, columns, [&] { return normal(rng); })); };
+  for (int m = 1; m <= 18; ++m)
+    for (int n = 1; n <= 9; ++n)
+      for (int k : {1, 3, 8, 17}) {
+        const int ld = dense::leading_dimension(m);
+        MatrixXd A = MatrixXd::Constant(ld, k + 1, 7), C = MatrixXd::Constant(ld, n + 1, NAN);
+        A.topLeftCorner(m, k) = random(m, k);
+        const MatrixXd B = random(n, k);
+        dense::negative_product(m, n, k, A.data(), ld, B.data(), n, C.data(), ld);
+        EXPECT_LT((C.topLeftCorner(m, n) + A.topLeftCorner(m, k) * B.transpose()).norm(), 1e-12 * m * n) << m << ' ' << n << ' ' << k;
+      }
+}
+
 TEST(DenseKernels, SharedColumnsGiveTheBitsOfOneCall) {
   const int n = 150, k = 20, m = n - k, ldc = dense::leading_dimension(m);
   Front front(random_positive(n, 7), k);
