@@ -271,7 +271,7 @@ MatrixXd SelectedInverse::at_below(const Front& front, const MatrixXd& x) {
   return rows;
 }
 
-// L Lᵀ x = e of the columns of a block: L y = e changes the fronts from the column's to the root alone, and the row's x needs those from the
+// L Lᵀ x = e of the columns of a block: L y = e changes the fronts from its own to the root alone, and the row's x needs those from the
 // root down to its own.
 MatrixXd SelectedInverse::solve_for(int row, int column) const {
   MatrixXd x = MatrixXd::Zero(pattern_.scalar_size(), pattern_.dims[column]);
