@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <holdfast/solvers/nesterov/internal/chain_preconditioner.hpp>
 #include <numeric>
 
@@ -103,8 +104,13 @@ void ChainPreconditioner::factor() {
     const double added = stiffest_[i] > 0 ? (stiffest_[i] - traces_[i]) / chains_.dims[i] + roundness_ * stiffest_[i] : largest;
     std::fill_n(&added_[chains_.offsets[i]], chains_.dims[i], added);
   }
-  while (!cholesky_->factor(values_, added_))
+  while (!cholesky_->factor(values_, added_)) {
     for (double& added : added_) added = 10 * added + 1e-12 * largest;
+    if (!std::isfinite(*std::max_element(added_.begin(), added_.end()))) {  // the curvature is no number: the identity, and the solve ends
+      std::fill(values_.begin(), values_.end(), 0.0);                       // by the gradient, which is none either
+      std::fill(added_.begin(), added_.end(), 1.0);
+    }
+  }
 }
 
 double ChainPreconditioner::apply(const Resolved& resolved, const std::vector<double>& g, std::vector<double>& out) {
